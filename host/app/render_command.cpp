@@ -1,0 +1,172 @@
+// `hemiray render SCENE -o FILE`.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+
+#include "host/app/commands.hpp"
+#include "host/app/process_clock.hpp"
+#include "host/app/render_report.hpp"
+#include "host/base/atomic_file.hpp"
+#include "host/base/error.hpp"
+#include "host/base/exr.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/png.hpp"
+#include "host/base/progress.hpp"
+#include "host/path/render.hpp"
+#include "host/scene/load.hpp"
+
+namespace hemiray::app {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  hemiray render scenes/cornell_box.json -o cornell.exr
+  hemiray render model.glb -o model.exr --png model.png --exposure 1 --size 1024x768 --spp 16
+  hemiray render scenes/glass_and_mirror.json -o a.exr --engine megakernel --strict --json > a.json
+  hemiray render scene.obj -o out.exr --device gpu --trace trace.json
+
+The EXR holds the layers beauty (R, G, B, A), depth, normal, albedo, id, direct, reflection, refraction.
+Interrupt (Ctrl-C) finishes the pass, writes what is there and exits with 130.)";
+
+struct RenderArguments {
+  std::string scene, output, device, engine = "wavefront", size, png, trace, dump_kernels;
+  int spp = 4, depth = -1;
+  std::uint32_t seed = 0;
+  double exposure = 0.0;
+  bool strict = false, quiet = false, json = false;
+};
+
+// "640x480" -> width and height.
+std::pair<int, int> parse_size(const std::string& text) {
+  const std::string help = fmt::format("'{}' is not a size; write WIDTHxHEIGHT in pixels, such as 640x480", text);
+  const std::size_t cross = text.find_first_of("xX");
+  if (cross == std::string::npos) throw InputError("--size", help);
+  const auto number = [&help](const std::string& digits) {
+    if (digits.empty() || digits.find_first_not_of("0123456789") != std::string::npos) {
+      throw InputError("--size", help);
+    }
+    if (digits.size() > 6) throw InputError("--size", fmt::format("{} pixels are too many on a side", digits));
+    return std::stoi(digits);
+  };
+  const std::pair<int, int> size{number(text.substr(0, cross)), number(text.substr(cross + 1))};
+  if (size.first == 0 || size.second == 0) throw InputError("--size", "a picture of no pixels cannot be rendered");
+  return size;
+}
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+RenderOptions to_options(const RenderArguments& given) {
+  RenderOptions options;
+  options.engine = given.engine == "megakernel" ? EngineKind::megakernel : EngineKind::wavefront;
+  if (!given.size.empty()) std::tie(options.width, options.height) = parse_size(given.size);
+  options.spp = given.spp;
+  options.depth = given.depth;
+  options.seed = given.seed;
+  options.strict = given.strict;
+  return options;
+}
+
+RenderFacts gather_facts(const RenderArguments& given, const Scene& scene, const RenderOptions& options,
+                         const Context& context) {
+  RenderFacts facts;
+  facts.scene = given.scene;
+  facts.output = given.output;
+  facts.device = context.device().name;
+  facts.platform = context.device().platform;
+  facts.driver = context.device().driver;
+  facts.engine = given.engine;
+  facts.width = options.width > 0 ? options.width : scene.camera.width;
+  facts.height = options.height > 0 ? options.height : scene.camera.height;
+  facts.seed = given.seed;
+  facts.strict = given.strict;
+  facts.spp = given.spp;
+  facts.depth = given.depth >= 0 ? given.depth : scene.depth;
+  facts.options = fmt::format("--engine {} --size {}x{} --spp {} --depth {} --seed {}{}", facts.engine, facts.width,
+                              facts.height, facts.spp, facts.depth, facts.seed, facts.strict ? " --strict" : "");
+  facts.notes = scene.notes;
+  return facts;
+}
+
+void check_outputs(const RenderArguments& given) {
+  if (!ends_with(given.output, ".exr")) {
+    throw InputError("--output", fmt::format("'{}' does not end in .exr; a PNG is written beside it with --png",
+                                             given.output));
+  }
+  check_writable(given.output);
+  if (!given.png.empty()) check_writable(given.png);
+  if (!given.trace.empty()) check_writable(given.trace);
+}
+
+int run_render(const RenderArguments& given) {
+  RenderOptions options = to_options(given);
+  check_outputs(given);
+  if (!given.dump_kernels.empty()) setenv("HEMIRAY_DUMP_KERNELS", given.dump_kernels.c_str(), 1);
+  const double load_start = seconds_since_process_start();
+  const Scene scene = load_scene(given.scene);
+  const double loaded = seconds_since_process_start();
+  if (!given.quiet) {
+    for (const std::string& note : scene.notes) fmt::print(stderr, "hemiray: note: {}\n", note);
+  }
+  Context context(choose_device(given.device));
+  context.profiler().keep_spans(!given.trace.empty());
+  RenderFacts facts = gather_facts(given, scene, options, context);
+  facts.load_ms = (loaded - load_start) * 1e3;
+
+  const InterruptGuard interrupt;
+  Progress progress("render", !given.quiet);
+  options.on_progress = [&progress](double fraction, double rate) { progress.update(fraction, rate); };
+  options.on_first_pass = [&facts] { facts.first_pixel_s = seconds_since_process_start(); };
+  options.should_stop = [&interrupt] { return interrupt.interrupted(); };
+  RenderResult result = render_scene(context, scene, options);
+  progress.finish();
+
+  facts.total_s = seconds_since_process_start();
+  result.image.metadata = report_metadata(facts, result.statistics);
+  write_exr(given.output, result.image);
+  if (!given.png.empty()) write_png(given.png, result.image, "", given.exposure);
+  if (!given.trace.empty()) write_file_atomically(given.trace, report_trace(context.profiler().spans()));
+  if (given.json) {
+    fmt::print("{}", report_json(facts, result.statistics));
+  } else if (!given.quiet) {
+    fmt::print("{}", report_table(facts, result.statistics));
+  }
+  if (result.statistics.interrupted) {
+    fmt::print(stderr, "hemiray: interrupted after {} of {} samples; wrote {}\n", result.statistics.passes, given.spp,
+               given.output);
+    return static_cast<int>(ExitCode::interrupted);
+  }
+  return static_cast<int>(ExitCode::ok);
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("render", "Render a scene to an OpenEXR file");
+  const auto given = std::make_shared<RenderArguments>();
+  command->add_option("SCENE", given->scene, "Scene: .json, .gltf, .glb, .obj or .ply")->required();
+  command->add_option("-o,--output", given->output, "Picture to write, .exr")->required();
+  command->add_option("--png", given->png, "Write an sRGB PNG of the beauty layer, too");
+  command->add_option("--exposure", given->exposure, "Stops by which the PNG is made brighter")
+      ->check(CLI::Range(-64.0, 64.0));
+  command->add_option("--device", given->device, "Index, part of a name, cpu or gpu (default: HEMIRAY_DEVICE)");
+  command->add_option("--engine", given->engine, "wavefront or megakernel")
+      ->check(CLI::IsMember({"wavefront", "megakernel"}))
+      ->capture_default_str();
+  command->add_option("--size", given->size, "WIDTHxHEIGHT in pixels (default: the scene's)");
+  command->add_option("--spp", given->spp, "Samples a pixel")->capture_default_str();
+  command->add_option("--depth", given->depth, "Bounces of mirrors and glass, 0 to 64 (default: the scene's)")
+      ->check(CLI::Range(0, 64));
+  command->add_option("--seed", given->seed, "Seed of the random numbers")->capture_default_str();
+  command->add_flag("--strict", given->strict, "Both engines give the same bits; some speed is lost");
+  command->add_flag("--quiet", given->quiet, "Print nothing but errors");
+  command->add_flag("--json", given->json, "Print statistics as JSON on stdout");
+  command->add_option("--trace", given->trace, "Write a timeline in Chrome's trace format");
+  command->add_option("--dump-kernels", given->dump_kernels, "Write the flattened kernel sources to this folder");
+  command->footer(kExamples);
+  command->callback([given, &exit_code] { exit_code = run_render(*given); });
+}
+
+}  // namespace hemiray::app

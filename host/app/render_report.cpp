@@ -1,0 +1,159 @@
+#include "host/app/render_report.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "host/base/build_info.hpp"
+#include "host/base/numbers.hpp"
+#include "host/scene/features.hpp"
+
+namespace hemiray::app {
+namespace {
+
+// Stages whose items are rays, hence have a rate in rays per second.
+bool traces_rays(const std::string& stage) {
+  return stage == "path_intersect_closest" || stage == "path_intersect_shadow";
+}
+
+double rays_per_second(const StageTime& stage) {
+  return stage.milliseconds > 0.0 ? static_cast<double>(stage.items) / (stage.milliseconds * 1e-3) : 0.0;
+}
+
+double total_rays(const RenderStatistics& s) { return static_cast<double>(s.rays.closest + s.rays.shadow); }
+
+double compile_ms(const RenderStatistics& s) {
+  double sum = 0.0;
+  for (const ProgramStatistics& program : s.programs) sum += program.build_ms;
+  return sum;
+}
+
+bool all_cached(const RenderStatistics& s) {
+  return std::all_of(s.programs.begin(), s.programs.end(), [](const auto& p) { return p.from_cache; });
+}
+
+}  // namespace
+
+std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
+  std::string text;
+  const auto line = [&text](const std::string& name, const std::string& value) {
+    text += fmt::format("{:<10}{}\n", name, value);
+  };
+  line("scene", fmt::format("{}: {} primitives, {} planes, {} lights, {} emitters", f.scene,
+                            format_count(s.accel.primitives), s.planes, s.lights, format_count(s.emitters)));
+  line("effects", fmt::format("{}", fmt::join(feature_names(s.features), " ")));
+  line("device", fmt::format("{} ({}), peak memory {}", f.device, f.platform, format_bytes(s.peak_device_bytes)));
+  line("picture", fmt::format("{} x {}, {} of {} samples, depth {}, {}{}", f.width, f.height, s.passes, f.spp, f.depth,
+                              f.engine, f.strict ? ", strict" : ""));
+  line("compile", fmt::format("{} ({})", format_duration(compile_ms(s) * 1e-3), all_cached(s) ? "cached" : "cold"));
+  line("build", fmt::format("{}, {}-bit Morton codes", format_duration(s.accel.build_ms * 1e-3), s.accel.morton_bits));
+  if (s.accel.non_finite + s.accel.degenerate > 0) {
+    line("dropped", fmt::format("{} primitives that are not finite, {} without area", s.accel.non_finite,
+                                s.accel.degenerate));
+  }
+  line("trace", fmt::format("{}, {} rays, {}", format_duration(s.trace_ms * 1e-3),
+                            format_count(s.rays.closest + s.rays.shadow),
+                            format_rate(total_rays(s) / (s.trace_ms * 1e-3), "rays/s")));
+  line("first", fmt::format("{:.2f} s to the first picture, {:.2f} s in all", f.first_pixel_s, f.total_s));
+  text += fmt::format("{:<26}{:>9}{:>12}{:>12}{:>12}\n", "kernel", "launches", "items", "ms", "Mrays/s");
+  for (const StageTime& stage : s.stages) {
+    text += fmt::format("{:<26}{:>9}{:>12}{:>12.2f}", stage.name, stage.launches, format_count(stage.items),
+                        stage.milliseconds);
+    text += traces_rays(stage.name) ? fmt::format("{:>12.2f}\n", rays_per_second(stage) * 1e-6) : "\n";
+  }
+  return text;
+}
+
+std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
+  nlohmann::json programs = nlohmann::json::array();
+  for (const ProgramStatistics& p : s.programs) {
+    programs.push_back({{"name", p.name}, {"kernels", p.kernels}, {"ms", p.build_ms}, {"cached", p.from_cache}});
+  }
+  nlohmann::json stages = nlohmann::json::array();
+  for (const StageTime& stage : s.stages) {
+    nlohmann::json row = {{"name", stage.name},
+                          {"launches", stage.launches},
+                          {"items", stage.items},
+                          {"ms", stage.milliseconds}};
+    if (traces_rays(stage.name)) row["mrays_per_s"] = rays_per_second(stage) * 1e-6;
+    stages.push_back(std::move(row));
+  }
+  const nlohmann::json all = {
+      {"hemiray", {{"version", kVersion}, {"commit", kCommit}}},
+      {"scene",
+       {{"file", f.scene},
+        {"primitives", s.accel.primitives},
+        {"dropped_non_finite", s.accel.non_finite},
+        {"dropped_degenerate", s.accel.degenerate},
+        {"planes", s.planes},
+        {"lights", s.lights},
+        {"emitters", s.emitters},
+        {"notes", f.notes}}},
+      {"output", f.output},
+      {"device", {{"name", f.device}, {"platform", f.platform}, {"driver", f.driver}}},
+      {"options",
+       {{"engine", f.engine},
+        {"width", f.width},
+        {"height", f.height},
+        {"spp", f.spp},
+        {"depth", f.depth},
+        {"seed", f.seed},
+        {"strict", f.strict}}},
+      {"effects", feature_names(s.features)},
+      {"passes", s.passes},
+      {"interrupted", s.interrupted},
+      {"load_ms", f.load_ms},
+      {"upload_ms", s.upload_ms},
+      {"build_ms", s.accel.build_ms},
+      {"morton_bits", s.accel.morton_bits},
+      {"compile_ms", compile_ms(s)},
+      {"compile_cached", all_cached(s)},
+      {"programs", programs},
+      {"trace_ms", s.trace_ms},
+      {"rays", {{"closest", s.rays.closest}, {"shadow", s.rays.shadow}}},
+      {"mrays_per_s", total_rays(s) / (s.trace_ms * 1e3)},
+      {"peak_device_bytes", s.peak_device_bytes},
+      {"first_pixel_s", f.first_pixel_s},
+      {"total_s", f.total_s},
+      {"stages", stages}};
+  return all.dump(2) + "\n";
+}
+
+std::string report_trace(const std::vector<TraceSpan>& spans) {
+  nlohmann::json events = nlohmann::json::array();
+  for (const TraceSpan& span : spans) {
+    events.push_back({{"name", span.name},
+                      {"cat", span.category},
+                      {"ph", "X"},
+                      {"pid", 1},
+                      {"tid", span.category == "kernel" ? 2 : 1},
+                      {"ts", span.start_us},
+                      {"dur", span.duration_us}});
+  }
+  for (const auto& [id, name] : {std::pair{1, "host"}, std::pair{2, "device"}}) {
+    events.push_back(
+        {{"name", "thread_name"}, {"ph", "M"}, {"pid", 1}, {"tid", id}, {"args", {{"name", name}}}});
+  }
+  return nlohmann::json{{"traceEvents", events}}.dump() + "\n";
+}
+
+std::map<std::string, std::string> report_metadata(const RenderFacts& f, const RenderStatistics& s) {
+  return {{"version", kVersion},
+          {"commit", kCommit},
+          {"scene", f.scene},
+          {"device", fmt::format("{} ({})", f.device, f.platform)},
+          {"driver", f.driver},
+          {"options", f.options},
+          {"engine", f.engine},
+          {"samples", std::to_string(s.passes)},
+          {"depth", std::to_string(f.depth)},
+          {"seed", std::to_string(f.seed)},
+          {"strict", f.strict ? "true" : "false"},
+          {"effects", fmt::format("{}", fmt::join(feature_names(s.features), " "))},
+          {"build_ms", fmt::format("{:.3f}", s.accel.build_ms)},
+          {"trace_ms", fmt::format("{:.3f}", s.trace_ms)}};
+}
+
+}  // namespace hemiray::app

@@ -1,0 +1,23 @@
+// Output files that appear whole or not at all.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace hemiray {
+
+/// Writes `bytes` to a hidden temporary (".hemiray-<process>-<n>.tmp") in the folder of `path`, syncs it to disk and
+/// renames it to `path`: that name shows the old content or the new, never a part. A symbolic link is followed; the
+/// permissions of a file that is replaced are kept. On any failure the temporary is removed and `path` is left as it
+/// was. Throws InputError where the name cannot be written (as check_writable), DeviceError where the disk is full or
+/// fails.
+void write_file_atomically(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
+void write_file_atomically(const std::filesystem::path& path, std::string_view text);
+
+/// To be called before long work that ends in write_file_atomically(path): throws what that would throw for a missing
+/// or read-only folder, a folder or device in place of the file, or a read-only file. Leaves nothing behind.
+void check_writable(const std::filesystem::path& path);
+
+}  // namespace hemiray

@@ -1,0 +1,49 @@
+// One device in use: OpenCL context, in-order queue, profile, memory account and timings.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "host/gpu/device.hpp"
+#include "host/gpu/device_profile.hpp"
+#include "host/gpu/profiler.hpp"
+
+namespace hemiray {
+
+/// Everything that runs on the device takes a Context&; there is no global one. Not copyable, not thread-safe.
+class Context {
+ public:
+  /// Throws DeviceError if the device cannot be opened.
+  explicit Context(const DeviceInfo& device);
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+  Context(Context&&) = delete;
+  Context& operator=(Context&&) = delete;
+  ~Context() = default;
+
+  [[nodiscard]] const DeviceInfo& device() const { return device_; }
+  [[nodiscard]] const DeviceProfile& profile() const { return profile_; }
+  [[nodiscard]] cl::Context& handle() { return context_; }
+  [[nodiscard]] cl::CommandQueue& queue() { return queue_; }
+  [[nodiscard]] Profiler& profiler() { return profiler_; }
+
+  /// Waits for all commands and reads their times. A failure of a command shows here as DeviceError.
+  void finish();
+
+  /// Memory account, kept by Buffer. Throws DeviceError if `bytes` more do not fit the device ("needs ..., has ...").
+  void account_allocation(std::uint64_t bytes, const std::string& name);
+  void account_release(std::uint64_t bytes) noexcept { allocated_bytes_ -= bytes; }
+  [[nodiscard]] std::uint64_t allocated_bytes() const { return allocated_bytes_; }
+  [[nodiscard]] std::uint64_t peak_bytes() const { return peak_bytes_; }
+
+ private:
+  DeviceInfo device_;
+  DeviceProfile profile_;
+  cl::Context context_;
+  cl::CommandQueue queue_;
+  Profiler profiler_;
+  std::uint64_t allocated_bytes_ = 0;
+  std::uint64_t peak_bytes_ = 0;
+};
+
+}  // namespace hemiray

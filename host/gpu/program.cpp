@@ -1,0 +1,165 @@
+#include "host/gpu/program.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "host/gpu/cl_error.hpp"
+#include "host/gpu/source_store.hpp"
+
+namespace hemiray {
+namespace {
+
+std::string compile_options(const DeviceInfo& device, const DeviceProfile& profile, const ProgramOptions& options) {
+  // OpenCL 3 on GPUs for its acquire-release atomics (bvh/refit.cl); 1.2 is enough for everything else.
+  const bool opencl3 = device.kind == DeviceKind::gpu && device.version.rfind("OpenCL 3", 0) == 0;
+  std::string text = fmt::format("-cl-std={} -cl-kernel-arg-info -DHR_FEATURES={:#x}u -DHR_LOCAL_SIZE={}",
+                                 opencl3 ? "CL3.0" : "CL1.2", options.features, profile.local_size);
+  if (options.strict) {
+    text += " -DHR_STRICT=1";
+    if (device.rounds_divide_correctly) text += " -cl-fp32-correctly-rounded-divide-sqrt";
+  }
+  return text;
+}
+
+std::string trimmed_name(std::string name) {
+  name.erase(std::find(name.begin(), name.end(), '\0'), name.end());
+  return name;
+}
+
+std::vector<std::string> query_argument_names(const cl::Kernel& kernel) {
+  std::vector<std::string> names;
+  const cl_uint count = kernel.getInfo<CL_KERNEL_NUM_ARGS>();
+  for (cl_uint i = 0; i < count; i++) names.push_back(trimmed_name(kernel.getArgInfo<CL_KERNEL_ARG_NAME>(i)));
+  return names;
+}
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void dump_source(const std::string& name, const std::string& source) {
+  const char* folder = std::getenv("HEMIRAY_DUMP_KERNELS");
+  if (folder == nullptr || *folder == '\0') return;
+  std::ofstream file(fmt::format("{}/{}.cl", folder, name), std::ios::binary);
+  if (!(file << source)) throw InputError("--dump-kernels", fmt::format("cannot write to {}", folder));
+}
+
+}  // namespace
+
+Program::Program(Context& context, std::string name, const std::vector<std::string>& files,
+                 const ProgramOptions& options)
+    : context_(&context), name_(std::move(name)), source_(flatten_kernels(files)) {
+  const double start_us = context.profiler().now_us();
+  const double start = now_ms();
+  const std::string text = compile_options(context.device(), context.profile(), options);
+  key_ = program_key(source_, text, context.device());
+  dump_source(name_, source_);
+  if (!build_from_cache(text)) build_from_source(text);
+  build_ms_ = now_ms() - start;
+  context.profiler().record_host(fmt::format("compile {}{}", name_, from_cache_ ? " (cached)" : ""), "compile",
+                                 start_us, context.profiler().now_us() - start_us);
+}
+
+bool Program::build_from_cache(const std::string& options) {
+  const std::optional<CompiledProgram> cached = load_program(program_cache_folder(), key_);
+  if (!cached) return false;
+  try {
+    handle_ = cl::Program(context_->handle(), {context_->device().handle}, {cached->binary});
+    handle_.build({context_->device().handle}, options.c_str());
+    add_kernels(&cached->argument_names);
+  } catch (const cl::Error&) {
+    kernels_.clear();  // an entry the driver does not take: compile instead
+    return false;
+  } catch (const std::out_of_range&) {
+    kernels_.clear();  // an entry that lacks a kernel
+    return false;
+  }
+  from_cache_ = true;
+  return true;
+}
+
+void Program::build_from_source(const std::string& options) {
+  cl_guard("compiling kernels '" + name_ + "'", [&] { handle_ = cl::Program(context_->handle(), source_); });
+  try {
+    handle_.build({context_->device().handle}, options.c_str());
+  } catch (const cl::Error& error) {
+    const std::string log = handle_.getBuildInfo<CL_PROGRAM_BUILD_LOG>(context_->device().handle);
+    throw DeviceError(fmt::format("compiling kernels '{}' for {} with '{}': {}; the compiler says: {}", name_,
+                                  context_->device().name, options, describe_cl_error(error.err()), log));
+  }
+  cl_guard("reading the kernels of '" + name_ + "'", [&] { add_kernels(nullptr); });
+  if (save_to_cache() && context_->profile().compiles_at_launch) {
+    // Asking for the binary made this driver compile to machine code; only a program made from it has that code.
+    std::map<std::string, Kernel> from_source;
+    from_source.swap(kernels_);
+    if (!build_from_cache(options)) kernels_.swap(from_source);
+    from_cache_ = false;
+  }
+}
+
+void Program::add_kernels(const std::map<std::string, std::vector<std::string>>* known_names) {
+  std::vector<cl::Kernel> handles;
+  handle_.createKernels(&handles);
+  for (const cl::Kernel& handle : handles) {
+    Kernel kernel;
+    kernel.handle = handle;
+    kernel.name = trimmed_name(handle.getInfo<CL_KERNEL_FUNCTION_NAME>());
+    kernel.argument_names =
+        known_names != nullptr ? known_names->at(kernel.name) : query_argument_names(handle);
+    kernel.local_size =
+        handle.getWorkGroupInfo<CL_KERNEL_COMPILE_WORK_GROUP_SIZE>(context_->device().handle)[0];
+    kernels_.emplace(kernel.name, std::move(kernel));
+  }
+}
+
+Kernel& Program::kernel(const std::string& name) {
+  const auto found = kernels_.find(name);
+  if (found == kernels_.end()) throw std::logic_error(fmt::format("program '{}' has no kernel '{}'", name_, name));
+  return found->second;
+}
+
+bool Program::save_to_cache() const {
+  CompiledProgram compiled;
+  try {
+    const auto binaries = handle_.getInfo<CL_PROGRAM_BINARIES>();
+    if (binaries.empty() || binaries.front().empty()) return false;
+    compiled.binary = binaries.front();
+  } catch (const cl::Error&) {
+    return false;  // a driver without binaries: every run compiles
+  }
+  for (const auto& [name, kernel] : kernels_) compiled.argument_names[name] = kernel.argument_names;
+  return store_program(program_cache_folder(), key_, compiled);
+}
+
+void launch(Context& context, Kernel& kernel, std::uint64_t items, const Arguments& arguments) {
+  if (arguments.size() != kernel.argument_names.size()) {
+    throw std::logic_error(fmt::format("kernel {} takes {} arguments, {} given", kernel.name,
+                                       kernel.argument_names.size(), arguments.size()));
+  }
+  for (cl_uint i = 0; i < kernel.argument_names.size(); i++) {
+    const std::string& name = kernel.argument_names[i];
+    const auto found =
+        std::find_if(arguments.begin(), arguments.end(), [&name](const Argument& a) { return a.name == name; });
+    if (found == arguments.end()) {
+      throw std::logic_error(fmt::format("kernel {}: argument '{}' is missing", kernel.name, name));
+    }
+    cl_guard(fmt::format("kernel {}, argument '{}'", kernel.name, name),
+             [&] { kernel.handle.setArg(i, found->size, found->value.data()); });
+  }
+  const DeviceProfile& profile = context.profile();
+  const std::size_t chunk_local = items % profile.chunk_local_size == 0 ? profile.chunk_local_size : 1;
+  const std::size_t local = kernel.local_size != 0 ? kernel.local_size : chunk_local;
+  const std::size_t global = (items + local - 1) / local * local;
+  cl_guard("launching kernel " + kernel.name, [&] {
+    cl::Event event;
+    context.queue().enqueueNDRangeKernel(kernel.handle, cl::NullRange, cl::NDRange(global), cl::NDRange(local),
+                                         nullptr, &event);
+    context.profiler().record(kernel.name, "kernel", items, event);
+  });
+  if (context.profiler().has_pending()) context.finish();
+}
+
+}  // namespace hemiray

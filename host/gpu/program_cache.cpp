@@ -1,0 +1,95 @@
+#include "host/gpu/program_cache.hpp"
+
+#include <openssl/evp.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace hemiray {
+namespace {
+
+// Layout of an entry: this line, SHA-256 of the rest (hex), newline, JSON of argument names, newline, binary.
+constexpr std::string_view kMagic = "hemiray program 1\n";
+constexpr std::size_t kHashLength = 64;
+
+std::string sha256(std::string_view text) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int length = 0;
+  EVP_Digest(text.data(), text.size(), digest.data(), &length, EVP_sha256(), nullptr);
+  std::string hex;
+  for (unsigned int i = 0; i < length; i++) hex += fmt::format("{:02x}", digest[i]);
+  return hex;
+}
+
+}  // namespace
+
+std::string program_key(const std::string& source, const std::string& options, const DeviceInfo& device) {
+  std::string text;
+  for (const std::string* part : {&source, &options, &device.name, &device.version, &device.driver, &device.platform,
+                                  &device.platform_version}) {
+    text += std::to_string(part->size()) + ":" + *part;  // lengths keep ("ab","c") apart from ("a","bc")
+  }
+  return sha256(text);
+}
+
+std::filesystem::path program_cache_folder() {
+  if (const char* own = std::getenv("HEMIRAY_CACHE_DIR")) return own;
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
+    return std::filesystem::path(cache) / "hemiray";
+  }
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') {
+    return std::filesystem::path(home) / ".cache" / "hemiray";
+  }
+  return {};
+}
+
+std::optional<CompiledProgram> load_program(const std::filesystem::path& folder, const std::string& key) {
+  if (folder.empty()) return std::nullopt;
+  std::ifstream file(folder / (key + ".bin"), std::ios::binary);
+  if (!file) return std::nullopt;
+  const std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::string_view view = content;
+  const std::size_t body_start = kMagic.size() + kHashLength + 1;
+  if (view.size() <= body_start || view.substr(0, kMagic.size()) != kMagic) return std::nullopt;
+  const std::string_view body = view.substr(body_start);
+  if (view.substr(kMagic.size(), kHashLength) != sha256(body)) return std::nullopt;
+  const std::size_t newline = body.find('\n');
+  if (newline == std::string_view::npos) return std::nullopt;
+  CompiledProgram program;
+  try {
+    program.argument_names =
+        nlohmann::json::parse(body.substr(0, newline)).get<std::map<std::string, std::vector<std::string>>>();
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  }
+  program.binary.assign(body.begin() + static_cast<std::ptrdiff_t>(newline) + 1, body.end());
+  return program;
+}
+
+bool store_program(const std::filesystem::path& folder, const std::string& key, const CompiledProgram& program) {
+  if (folder.empty()) return false;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  std::string body = nlohmann::json(program.argument_names).dump() + "\n";
+  body.append(program.binary.begin(), program.binary.end());
+  const std::filesystem::path temporary = folder / fmt::format("{}.{}.tmp", key, getpid());
+  {
+    std::ofstream file(temporary, std::ios::binary);
+    file << kMagic << sha256(body) << '\n' << body;
+    if (!file.flush()) {
+      std::filesystem::remove(temporary, error);
+      return false;
+    }
+  }
+  std::filesystem::rename(temporary, folder / (key + ".bin"), error);
+  if (error) std::filesystem::remove(temporary, error);
+  return !error;
+}
+
+}  // namespace hemiray

@@ -1,0 +1,53 @@
+// The wavefront engine: a kernel a stage, queues compacted between rounds.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/path/branch_stack.hpp"
+#include "host/path/engine.hpp"
+#include "shared/path_state.def"
+
+namespace hemiray {
+
+class WavefrontEngine final : public PathEngine {
+ public:
+  WavefrontEngine(Context& context, Parallel& parallel, std::uint32_t features, bool strict, std::uint32_t slots,
+                  int depth);
+
+  RayCounts trace(shared::RenderParams params, std::uint32_t count, const Arguments& arguments) override;
+  [[nodiscard]] const PathSums& sums() const override { return sums_; }
+  [[nodiscard]] Program& program() override { return program_; }
+
+ private:
+  /// One array for each field of the path state that the mask has, except the sums.
+  struct StateArrays {
+    StateArrays(Context& context, std::uint32_t features, std::uint32_t slots);
+    Arguments all;
+
+   private:
+    std::vector<Buffer<shared::real4>> vectors_;
+    std::vector<Buffer<shared::uint4>> integer_vectors_;
+    std::vector<Buffer<std::uint32_t>> integers_;
+    void add(Context& context, const char* name, shared::real4 /*type*/, std::uint32_t slots);
+    void add(Context& context, const char* name, shared::uint4 /*type*/, std::uint32_t slots);
+    void add(Context& context, const char* name, std::uint32_t /*type*/, std::uint32_t slots);
+  };
+
+  /// Sorts the live slots of the queue by their next stage; returns where each stage's run starts, and the end.
+  std::vector<std::uint32_t> compact_queue(std::uint32_t live, bool is_identity);
+
+  Context* context_;
+  Parallel* parallel_;
+  std::uint32_t features_;
+  std::uint32_t slots_;
+  Program program_;
+  PathSums sums_;
+  StateArrays state_;
+  BranchStack branches_;
+  Buffer<std::uint32_t> next_stage_;
+  Buffer<std::uint32_t> queue_, queue_other_;
+  Buffer<std::uint32_t> counts_;
+};
+
+}  // namespace hemiray

@@ -1,0 +1,71 @@
+#include "host/scene/device_scene.hpp"
+
+#include <cmath>
+#include <span>
+
+#include "host/scene/features.hpp"
+#include "shared/scene_buffers.def"
+
+namespace hemiray {
+namespace {
+
+std::vector<float> srgb_table() {
+  std::vector<float> table(256);
+  for (std::size_t i = 0; i < table.size(); i++) {
+    const double c = static_cast<double>(i) / 255.0;
+    table[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+  }
+  return table;
+}
+
+template <typename T>
+Buffer<T> upload_if(bool needed, Context& context, const char* name, const std::vector<T>& data) {
+  return needed ? Buffer<T>(context, name, std::span<const T>(data)) : Buffer<T>();
+}
+
+}  // namespace
+
+DeviceScene::DeviceScene(Context& context, const FlatScene& flat, std::uint32_t features)
+    : features_(features),
+      triangle_count_(static_cast<std::uint32_t>(flat.triangles.size())),
+      sphere_count_(static_cast<std::uint32_t>(flat.spheres.size())),
+      plane_count_(static_cast<std::uint32_t>(flat.planes.size())),
+      light_count_(static_cast<std::uint32_t>(flat.lights.size())),
+      emitter_count_(static_cast<std::uint32_t>(flat.emitters.size())) {
+  const auto has = [features](std::uint32_t bit) { return (features & bit) != 0; };
+  const bool textured = has(HR_FEATURE_TEXTURES);
+  positions_ = upload_if(true, context, "positions", flat.positions);
+  triangles_ = upload_if(true, context, "triangles", flat.triangles);
+  spheres_ = upload_if(true, context, "spheres", flat.spheres);
+  materials_ = upload_if(true, context, "materials", flat.materials);
+  triangle_objects_ = upload_if(has(HR_FEATURE_TRIANGLES), context, "triangle_objects", flat.triangle_objects);
+  normals_ = upload_if(has(HR_FEATURE_SMOOTH_NORMALS), context, "normals", flat.normals);
+  uvs_ = upload_if(textured, context, "uvs", flat.uvs);
+  colors_ = upload_if(has(HR_FEATURE_VERTEX_COLORS), context, "colors", flat.colors);
+  planes_ = upload_if(has(HR_FEATURE_PLANES), context, "planes", flat.planes);
+  lights_ = upload_if(has(HR_FEATURE_LIGHTS), context, "lights", flat.lights);
+  emitters_ = upload_if(has(HR_FEATURE_EMITTERS), context, "emitters", flat.emitters);
+  textures_ = upload_if(textured, context, "textures", flat.textures);
+  texels_ = upload_if(textured, context, "texels", flat.texels);
+  srgb_to_linear_ = upload_if(textured, context, "srgb_to_linear", srgb_table());
+}
+
+Arguments DeviceScene::geometry_arguments() const {
+  return arguments(arg("positions", positions_), arg("triangles", triangles_), arg("spheres", spheres_),
+                   arg("triangle_count", triangle_count_));
+}
+
+Arguments DeviceScene::shading_arguments() const {
+  Arguments all;
+  const Buffer<int> bvh_nodes_, bvh_leaves_;  // in the list, but the tree's owner adds them: empty here
+  const auto bind = [&](std::uint32_t feature, const char* name, const auto& buffer) {
+    const bool is_tree = buffer.name().empty();
+    if (has_feature(features_, feature) && !is_tree) all.push_back(arg(name, buffer));
+  };
+#define HR_BIND(feature, type, name) bind(HR_FEATURE_##feature, #name, name##_);
+  HR_SCENE_BUFFERS(HR_BIND)
+#undef HR_BIND
+  return all;
+}
+
+}  // namespace hemiray

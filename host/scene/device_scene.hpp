@@ -1,0 +1,52 @@
+// The scene's buffers on the device: only what the effect mask needs.
+#pragma once
+
+#include <cstdint>
+
+#include "host/gpu/buffer.hpp"
+#include "host/gpu/program.hpp"
+#include "host/scene/flat_scene.hpp"
+#include "shared/features.h"
+
+namespace hemiray {
+
+/// Uploads a FlatScene. Geometry buffers always exist (the tree is built from them); the others only where their
+/// feature is on. Throws DeviceError if the device has too little memory.
+class DeviceScene {
+ public:
+  DeviceScene(Context& context, const FlatScene& flat, std::uint32_t features);
+
+  [[nodiscard]] std::uint32_t features() const { return features_; }
+  [[nodiscard]] std::uint32_t triangle_count() const { return triangle_count_; }
+  [[nodiscard]] std::uint32_t sphere_count() const { return sphere_count_; }
+  [[nodiscard]] std::uint32_t plane_count() const { return plane_count_; }
+  [[nodiscard]] std::uint32_t light_count() const { return light_count_; }
+  [[nodiscard]] std::uint32_t emitter_count() const { return emitter_count_; }
+  /// Primitives that go into the tree.
+  [[nodiscard]] std::uint32_t primitive_count() const { return triangle_count_ + sphere_count_; }
+
+  /// positions, triangles, spheres, triangle_count: what the tree's kernels read.
+  [[nodiscard]] Arguments geometry_arguments() const;
+  /// Everything of shared/scene_buffers.def but the tree, as far as the mask has it.
+  [[nodiscard]] Arguments shading_arguments() const;
+
+ private:
+  std::uint32_t features_ = 0;
+  std::uint32_t triangle_count_ = 0, sphere_count_ = 0, plane_count_ = 0, light_count_ = 0, emitter_count_ = 0;
+  Buffer<float> positions_;
+  Buffer<shared::uint4> triangles_;
+  Buffer<std::uint32_t> triangle_objects_;
+  Buffer<float> normals_;
+  Buffer<shared::float2> uvs_;
+  Buffer<float> colors_;
+  Buffer<shared::Sphere> spheres_;
+  Buffer<shared::Plane> planes_;
+  Buffer<shared::Material> materials_;
+  Buffer<shared::Light> lights_;
+  Buffer<shared::Emitter> emitters_;
+  Buffer<shared::Texture> textures_;
+  Buffer<std::uint32_t> texels_;
+  Buffer<float> srgb_to_linear_;
+};
+
+}  // namespace hemiray

@@ -1,0 +1,104 @@
+#include "host/scene/features.hpp"
+
+#include <array>
+
+namespace hemiray {
+namespace {
+
+constexpr std::array<const char*, HR_FEATURE_COUNT> kNames = {"triangles",
+                                                              "spheres",
+                                                              "planes",
+                                                              "smooth-normals",
+                                                              "textures",
+                                                              "normal-maps",
+                                                              "vertex-colors",
+                                                              "metallic-roughness",
+                                                              "specular",
+                                                              "ambient",
+                                                              "emission",
+                                                              "lights",
+                                                              "point-lights",
+                                                              "directional-lights",
+                                                              "spot-lights",
+                                                              "area-lights",
+                                                              "emitters",
+                                                              "secondary",
+                                                              "reflection",
+                                                              "refraction",
+                                                              "branching",
+                                                              "fresnel",
+                                                              "orthographic",
+                                                              "phong-shading"};
+
+bool is_positive(const shared::float4& v) { return v.x > 0.0F || v.y > 0.0F || v.z > 0.0F; }
+
+std::uint32_t material_features(const shared::Material& m, bool has_uvs, int depth) {
+  std::uint32_t mask = 0;
+  if (is_positive(m.ks)) mask |= HR_FEATURE_SPECULAR;
+  if (is_positive(m.emission)) mask |= HR_FEATURE_EMISSION;
+  if ((m.flags & HR_MATERIAL_METALLIC_ROUGHNESS) != 0) mask |= HR_FEATURE_METALLIC_ROUGHNESS | HR_FEATURE_SPECULAR;
+  if (has_uvs) {
+    if (m.kd_texture != HR_NO_TEXTURE || m.metallic_roughness_texture != HR_NO_TEXTURE ||
+        m.emission_texture != HR_NO_TEXTURE) {
+      mask |= HR_FEATURE_TEXTURES;
+    }
+    if (m.normal_texture != HR_NO_TEXTURE) mask |= HR_FEATURE_TEXTURES | HR_FEATURE_NORMAL_MAPS;
+  }
+  if (depth > 0) {
+    const bool reflects = is_positive(m.kr);
+    const bool refracts = is_positive(m.kt);
+    if (reflects) mask |= HR_FEATURE_REFLECTION | HR_FEATURE_SECONDARY;
+    if (refracts) mask |= HR_FEATURE_REFRACTION | HR_FEATURE_SECONDARY;
+    if (reflects && refracts) mask |= HR_FEATURE_BRANCHING;
+    if (refracts && (m.flags & HR_MATERIAL_FRESNEL) != 0) mask |= HR_FEATURE_FRESNEL;
+  }
+  return mask;
+}
+
+std::uint32_t light_feature(std::uint32_t kind) {
+  switch (kind) {
+    case HR_LIGHT_POINT:
+      return HR_FEATURE_POINT_LIGHTS;
+    case HR_LIGHT_DIRECTIONAL:
+      return HR_FEATURE_DIRECTIONAL_LIGHTS;
+    case HR_LIGHT_SPOT:
+      return HR_FEATURE_SPOT_LIGHTS;
+    case HR_LIGHT_AREA:
+      return HR_FEATURE_AREA_LIGHTS;
+    default:
+      return HR_FEATURE_EMITTERS;
+  }
+}
+
+}  // namespace
+
+std::uint32_t features_of(const Scene& scene, const FlatScene& flat, int depth) {
+  std::uint32_t mask = 0;
+  if (!flat.triangles.empty()) mask |= HR_FEATURE_TRIANGLES;
+  if (!flat.spheres.empty()) mask |= HR_FEATURE_SPHERES;
+  if (!flat.planes.empty()) mask |= HR_FEATURE_PLANES;
+  if (!flat.normals.empty()) mask |= HR_FEATURE_SMOOTH_NORMALS;
+  if (!flat.colors.empty()) mask |= HR_FEATURE_VERTEX_COLORS;
+  std::vector<bool> used(flat.materials.size(), false);
+  for (const shared::uint4& t : flat.triangles) used[t.w] = true;
+  for (const shared::Sphere& s : flat.spheres) used[s.material] = true;
+  for (const shared::Plane& p : flat.planes) used[p.material] = true;
+  for (std::size_t i = 0; i < used.size(); i++) {
+    if (used[i]) mask |= material_features(flat.materials[i], !flat.uvs.empty(), depth);
+  }
+  for (const shared::Light& light : flat.lights) mask |= HR_FEATURE_LIGHTS | light_feature(light.kind);
+  if (scene.ambient.x > 0.0F || scene.ambient.y > 0.0F || scene.ambient.z > 0.0F) mask |= HR_FEATURE_AMBIENT;
+  if (scene.camera.kind == CameraKind::orthographic) mask |= HR_FEATURE_ORTHOGRAPHIC;
+  if (scene.shading == Shading::phong) mask |= HR_FEATURE_PHONG_SHADING;
+  return mask;
+}
+
+std::vector<std::string> feature_names(std::uint32_t features) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < kNames.size(); i++) {
+    if ((features >> i & 1U) != 0) names.emplace_back(kNames[i]);
+  }
+  return names;
+}
+
+}  // namespace hemiray

@@ -1,0 +1,47 @@
+// What is in a scene, counted, for `hemiray check` and reports.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/scene/scene.hpp"
+
+namespace hemiray {
+
+struct SceneSummary {
+  std::string source;
+  std::string title;
+  std::uint64_t objects = 0;  ///< placed meshes
+  std::uint64_t meshes = 0;
+  std::uint64_t triangles = 0;  ///< after instancing
+  std::uint64_t vertices = 0;   ///< after instancing
+  std::uint64_t spheres = 0;
+  std::uint64_t planes = 0;
+  std::uint64_t point_lights = 0;
+  std::uint64_t directional_lights = 0;
+  std::uint64_t spot_lights = 0;
+  std::uint64_t area_lights = 0;
+  std::uint64_t emissive_objects = 0;  ///< objects and spheres whose material emits
+  std::uint64_t materials = 0;
+  std::uint64_t textures = 0;
+  std::uint64_t texture_bytes = 0;
+  std::uint64_t dropped_triangles = 0;
+  std::uint64_t device_bytes = 0;  ///< predict_device_bytes()
+  int width = 0;                   ///< default image size [pixels]
+  int height = 0;
+  std::vector<double> bounds_min;  ///< [x, y, z] in m; empty where nothing is bounded
+  std::vector<double> bounds_max;
+  std::vector<std::string> notes;
+};
+
+/// Counts a valid scene.
+SceneSummary summarize(const Scene& scene);
+
+/// Some lines for people, each ended by a newline.
+std::string summary_text(const SceneSummary& summary);
+
+/// One JSON object, indented, ended by a newline; the keys are the members' names.
+std::string summary_json(const SceneSummary& summary);
+
+}  // namespace hemiray

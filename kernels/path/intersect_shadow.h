@@ -1,0 +1,18 @@
+// Stage: one shadow ray; an unblocked one adds its light, then the next light sample is prepared. Anything blocks, glass
+// too: that is Whitted's method, which does not know the refracted way to the light.
+#ifndef HR_PATH_INTERSECT_SHADOW_H
+#define HR_PATH_INTERSECT_SHADOW_H
+
+#include "lib/traverse.h"
+#include "path/light_loop.h"
+
+// The surface's own primitive never blocks it if it is flat; a sphere can, but then the light is behind its horizon.
+static inline uint stage_intersect_shadow(const PathContext* context, PathState* s) {
+  const Ray ray = make_ray(xyz(s->shadow_origin), xyz(s->shadow_direction), 0, s->shadow_origin.w);
+  const Skip skip = {s->surface.z, s->shadow_cursor.z, s->shadow_cursor.w};
+  const Hit hit = traverse(&context->view, &ray, &skip, true);
+  if (hit.primitive == HR_NO_PRIMITIVE) path_add(s, xyz(s->shadow_radiance));
+  return next_light_sample(context, s);
+}
+
+#endif

@@ -1,0 +1,54 @@
+// The loop over light samples at a shading point, one step at a time: each step ends at a shadow ray to trace or at the
+// end of the lights.
+#ifndef HR_PATH_LIGHT_LOOP_H
+#define HR_PATH_LIGHT_LOOP_H
+
+#include "lib/bsdf.h"
+#include "lib/light.h"
+#include "lib/offset.h"
+#include "path/path_context.h"
+
+// A shadow ray ends this much (relative) before the light sample: t carries a few rounding errors.
+#define HR_SHADOW_RAY_END (1 - 16 * HR_HALF_ULP)
+
+static inline uint after_lights(const PathContext* context, const PathState* s) {
+  if (HR_HAS(SECONDARY) && s->control.x < context->params.max_depth) {
+    const Material m = context->view.materials[s->surface.x];
+    const real3 sum = param3(m.kr) + param3(m.kt);
+    if (max_component(sum) > 0) return HR_STAGE_scatter;
+  }
+  return path_end_of_branch(s);
+}
+
+// Advances shadow_cursor to the next sample that can reach the surface and prepares its shadow ray.
+static inline uint next_light_sample(const PathContext* context, PathState* s) {
+  const real3 position = xyz(s->position), n = xyz(s->normal), n_shading = xyz(s->shading_normal);
+  while (s->shadow_cursor.x < context->view.light_count) {
+    const Light light = context->view.lights[s->shadow_cursor.x];
+    const uint k = s->shadow_cursor.y;
+    s->shadow_cursor.y++;
+    if (s->shadow_cursor.y == light.sample_count) {
+      s->shadow_cursor.x++;
+      s->shadow_cursor.y = 0;
+    }
+    const uint4 key =
+        (uint4)(path_pixel(context), context->params.sample, s->control.y,
+                (HR_DIMENSION_FIRST_LIGHT + light.first_sample + k) ^ context->params.seed_key);
+    LightSample sample;
+    if (!sample_light(&context->view, &light, k, key, position, &sample)) continue;
+    if (!(dot3(n, sample.direction) > 0)) continue;  // the surface itself is in the way
+    const real3 radiance = sample.irradiance * bsdf_reflect_light(xyz(s->kd), xyz(s->ks), s->kd.w, n_shading,
+                                                                  sample.direction, -xyz(s->ray_direction));
+    if (!(max_component(radiance) > 0)) continue;
+    const real3 origin = offset_origin(position, xyz(s->position_error), n, sample.direction);
+    s->shadow_origin = vec4(origin, sample.distance * HR_SHADOW_RAY_END);
+    s->shadow_direction = vec4(sample.direction, 0);
+    s->shadow_radiance = vec4(radiance, 0);
+    s->shadow_cursor.z = sample.first_primitive;
+    s->shadow_cursor.w = sample.last_primitive;
+    return HR_STAGE_intersect_shadow;
+  }
+  return after_lights(context, s);
+}
+
+#endif

@@ -1,0 +1,94 @@
+// The scene as the kernels see it. 4-byte scalars and 16-byte aligned float4 only, padded explicitly.
+#ifndef HR_SHARED_SCENE_TYPES_H
+#define HR_SHARED_SCENE_TYPES_H
+
+#include "shared/scalar.h"
+
+HR_SHARED_BEGIN
+
+#define HR_NO_TEXTURE 0xffffffffu
+
+#define HR_MATERIAL_FRESNEL 1u
+#define HR_MATERIAL_METALLIC_ROUGHNESS 2u
+#define HR_MATERIAL_OWN_AMBIENT 4u /* ka is given; else the ambient term uses kd */
+
+// host/scene/scene.hpp, struct Material, tells what the members mean.
+typedef struct Material {
+  float4 kd;        // rgb; w = shininess
+  float4 ks;        // rgb; w = index of refraction inside
+  float4 ka;        // rgb; w = roughness
+  float4 kr;        // rgb; w = metallic
+  float4 kt;        // rgb; w = normal map scale
+  float4 emission;  // rgb [W/m^2/sr]
+  uint kd_texture;
+  uint metallic_roughness_texture;
+  uint emission_texture;
+  uint normal_texture;
+  uint flags;
+  uint pad0, pad1, pad2;
+} Material;
+
+#define HR_WRAP_REPEAT 0u
+#define HR_WRAP_CLAMP 1u
+#define HR_WRAP_MIRROR 2u
+#define HR_TEXTURE_NEAREST 1u
+#define HR_TEXTURE_SRGB 2u
+
+typedef struct Texture {
+  uint first_texel;  // into texels, RGBA8 with R in the low byte
+  uint width;
+  uint height;
+  uint flags;
+  uint wrap_u;
+  uint wrap_v;
+  uint pad0, pad1;
+} Texture;
+
+typedef struct Sphere {
+  float4 center_radius;  // [m]
+  uint material;
+  uint object;
+  uint pad0, pad1;
+} Sphere;
+
+typedef struct Plane {
+  float4 point;   // [m]
+  float4 normal;  // unit, to the front
+  uint material;
+  uint object;
+  uint pad0, pad1;
+} Plane;
+
+#define HR_LIGHT_POINT 0u
+#define HR_LIGHT_DIRECTIONAL 1u
+#define HR_LIGHT_SPOT 2u
+#define HR_LIGHT_AREA 3u
+#define HR_LIGHT_EMITTERS 4u
+
+typedef struct Light {
+  float4 position;   // area: corner [m]; spot: w = cosine of the outer angle
+  float4 direction;  // the way the light travels; area: its unit normal; spot: w = 1 / (cos inner - cos outer)
+  float4 intensity;  // rgb [W/sr, W/m^2 or W/m^2/sr]; area: w = area of one sample's cell [m^2]
+  float4 edge_u;     // [m]
+  float4 edge_v;     // [m]
+  uint kind;
+  uint samples_u;
+  uint samples_v;
+  uint sample_count;
+  uint first_sample;     // number of samples of all lights before this one: random dimension
+  uint jitter;           // 0 or 1
+  uint first_primitive;  // of its own visible quad, which never shadows it
+  uint primitive_count;
+} Light;
+
+// One emissive triangle or sphere that is not a rectangle.
+typedef struct Emitter {
+  uint primitive;
+  float cumulative;   // share of the weights up to and including this one, (0, 1]
+  float inverse_pdf;  // [m^2]: 1 / (chance of this emitter / its area)
+  uint pad;
+} Emitter;
+
+HR_SHARED_END
+
+#endif
