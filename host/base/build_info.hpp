@@ -4,6 +4,6 @@
 namespace hemiray {
 
 extern const char* const kVersion;  ///< "major.minor.patch"
-extern const char* const kCommit;   ///< first 12 hexadecimal digits of the commit built, or "unknown" outside a checkout
+extern const char* const kCommit;  ///< first 12 hexadecimal digits of the commit built, or "unknown" outside a checkout
 
 }  // namespace hemiray

@@ -13,14 +13,15 @@ struct DeviceProfile {
   std::uint32_t chunk_local_size = 1; ///< their work-group size
   std::uint32_t queue_chunks = 16;   ///< work-items of queue compaction
   std::uint32_t wave_slots = 65536;  ///< paths in flight
-  /// The driver compiles a kernel to machine code when it is first launched, or when the program's binary is asked for.
-  bool compiles_at_launch = false;
+  /// The driver caches machine code itself, keyed by the source text, and would compile once more for a binary: then
+  /// hemiray's program cache is left out.
+  bool has_own_cache = false;
 };
 
 /// CPUs want few large chunks and waves that stay in the cache; GPUs want thousands of items in flight.
 inline DeviceProfile profile_for(const DeviceInfo& device) {
   DeviceProfile profile;
-  profile.compiles_at_launch = device.platform == "Portable Computing Language";
+  profile.has_own_cache = device.platform == "Portable Computing Language";
   if (device.kind == DeviceKind::gpu) {
     profile.chunks = 2048;
     profile.chunk_local_size = 32;

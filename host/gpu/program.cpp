@@ -91,13 +91,7 @@ void Program::build_from_source(const std::string& options) {
                                   context_->device().name, options, describe_cl_error(error.err()), log));
   }
   cl_guard("reading the kernels of '" + name_ + "'", [&] { add_kernels(nullptr); });
-  if (save_to_cache() && context_->profile().compiles_at_launch) {
-    // Asking for the binary made this driver compile to machine code; only a program made from it has that code.
-    std::map<std::string, Kernel> from_source;
-    from_source.swap(kernels_);
-    if (!build_from_cache(options)) kernels_.swap(from_source);
-    from_cache_ = false;
-  }
+  if (!context_->profile().has_own_cache) save_to_cache();
 }
 
 void Program::add_kernels(const std::map<std::string, std::vector<std::string>>* known_names) {
@@ -121,17 +115,17 @@ Kernel& Program::kernel(const std::string& name) {
   return found->second;
 }
 
-bool Program::save_to_cache() const {
+void Program::save_to_cache() const {
   CompiledProgram compiled;
   try {
     const auto binaries = handle_.getInfo<CL_PROGRAM_BINARIES>();
-    if (binaries.empty() || binaries.front().empty()) return false;
+    if (binaries.empty() || binaries.front().empty()) return;
     compiled.binary = binaries.front();
   } catch (const cl::Error&) {
-    return false;  // a driver without binaries: every run compiles
+    return;  // a driver without binaries: every run compiles
   }
   for (const auto& [name, kernel] : kernels_) compiled.argument_names[name] = kernel.argument_names;
-  return store_program(program_cache_folder(), key_, compiled);
+  store_program(program_cache_folder(), key_, compiled);
 }
 
 void launch(Context& context, Kernel& kernel, std::uint64_t items, const Arguments& arguments) {

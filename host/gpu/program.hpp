@@ -68,7 +68,7 @@ class Program {
  private:
   bool build_from_cache(const std::string& options);
   void build_from_source(const std::string& options);
-  bool save_to_cache() const;
+  void save_to_cache() const;
   void add_kernels(const std::map<std::string, std::vector<std::string>>* known_names);
 
   Context* context_;

@@ -158,8 +158,9 @@ void GltfMeshes::add_triangle(const Primitive& primitive, const UVec3& corners, 
     ++scene_.dropped_triangles;
     return;
   }
-  mesh.triangles.emplace_back(add_vertex(primitive, corners.x, mesh), add_vertex(primitive, corners.y, mesh),
-                              add_vertex(primitive, corners.z, mesh));
+  // Braces, because they are evaluated from left to right.
+  mesh.triangles.push_back(UVec3{add_vertex(primitive, corners.x, mesh), add_vertex(primitive, corners.y, mesh),
+                                 add_vertex(primitive, corners.z, mesh)});
   mesh.triangle_materials.push_back(primitive.material);
 }
 

@@ -164,8 +164,9 @@ class ObjParser {
       cursor_.fail("the group has too many triangles; split it");
     }
     for (const std::array<std::uint32_t, 3>& t : triangles_) {
-      group.mesh.triangles.emplace_back(add(group, corners_[t[0]]), add(group, corners_[t[1]]),
-                                        add(group, corners_[t[2]]));
+      // Braces, because they are evaluated from left to right.
+      group.mesh.triangles.push_back(
+          UVec3{add(group, corners_[t[0]]), add(group, corners_[t[1]]), add(group, corners_[t[2]])});
       group.mesh.triangle_materials.push_back(*material_);
     }
   }

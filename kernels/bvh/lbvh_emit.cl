@@ -17,11 +17,11 @@ static inline int common_prefix(global const ulong* restrict keys, int n, int i,
 
 static inline void link_child(global BvhNode* restrict nodes, global uint* restrict node_parents,
                        global uint* restrict leaf_parents, int node, int child, bool is_leaf, uint side) {
-  const float reference = as_float(is_leaf ? ~child : child);
+  const uint reference = (uint)(is_leaf ? ~child : child);
   if (side == 0) {
-    nodes[node].left_lo.w = reference;
+    nodes[node].child.x = reference;
   } else {
-    nodes[node].right_lo.w = reference;
+    nodes[node].child.y = reference;
   }
   const uint parent = (uint)node << 1 | side;
   if (is_leaf) {
@@ -41,10 +41,10 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void bvh_emit_
   const int i = (int)get_global_id(0);
   if (i >= max(n - 1, 1)) return;
   flags[i] = 0;
+  nodes[i].child = (uint4)(0);
   if (i == 0) node_parents[0] = HR_NO_PARENT;
   if (n <= 1) {
-    nodes[0].left_lo.w = as_float(~0);
-    nodes[0].right_lo.w = as_float(~0);
+    nodes[0].child = (uint4)(~0u, ~0u, 0, 0);
     leaf_parents[0] = 0;
     return;
   }

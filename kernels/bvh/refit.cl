@@ -23,13 +23,22 @@ static inline uint arrive(volatile global uint* flag) {
 }
 #endif
 
-static inline void write_xyz(volatile global float* p, float4 v) {
-  p[0] = v.x;
-  p[1] = v.y;
-  p[2] = v.z;
+// A node is 16 floats: x of left lo, left hi, right lo, right hi, then y, then z, then the references.
+static inline void write_box(volatile global float* node, uint side, Box box) {
+  node[2 * side] = box.lo.x;
+  node[2 * side + 1] = box.hi.x;
+  node[4 + 2 * side] = box.lo.y;
+  node[4 + 2 * side + 1] = box.hi.y;
+  node[8 + 2 * side] = box.lo.z;
+  node[8 + 2 * side + 1] = box.hi.z;
 }
 
-static inline float4 read_xyz(volatile global const float* p) { return (float4)(p[0], p[1], p[2], 0.0f); }
+static inline Box read_box(volatile global const float* node, uint side) {
+  Box box;
+  box.lo = (float4)(node[2 * side], node[4 + 2 * side], node[8 + 2 * side], 0.0f);
+  box.hi = (float4)(node[2 * side + 1], node[4 + 2 * side + 1], node[8 + 2 * side + 1], 0.0f);
+  return box;
+}
 
 // Writes the leaf records in Morton order and all boxes. order[i] = primitive of leaf i. With count = 0 it writes the
 // leaf of NaNs that no ray meets. Launch: max(count, 1) items, rounded up to the local size; flags must be zero.
@@ -54,24 +63,20 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void bvh_refit
     box = primitive_box(leaf, primitive < triangle_count);
   }
   leaves[i] = leaf;
-  volatile global float* boxes = nodes;  // BvhNode: left_lo, left_hi, right_lo, right_hi, four floats each
+  volatile global float* floats = nodes;
   if (count <= 1) {
-    for (uint side = 0; side < 2; side++) {
-      write_xyz(boxes + 8 * side, box.lo);
-      write_xyz(boxes + 8 * side + 4, box.hi);
-    }
+    write_box(floats, 0, box);
+    write_box(floats, 1, box);
     return;
   }
   uint parent = leaf_parents[i];
   while (parent != HR_NO_PARENT) {
     const uint node = parent >> 1, side = parent & 1u;
-    volatile global float* own = boxes + 16 * (ulong)node + 8 * side;
-    write_xyz(own, box.lo);
-    write_xyz(own + 4, box.hi);
+    write_box(floats + 16 * (ulong)node, side, box);
     if (arrive(&flags[node]) == 0) return;
-    volatile global const float* sibling = boxes + 16 * (ulong)node + 8 * (1 - side);
-    box.lo = min(box.lo, read_xyz(sibling));
-    box.hi = max(box.hi, read_xyz(sibling + 4));
+    const Box sibling = read_box(floats + 16 * (ulong)node, 1 - side);
+    box.lo = min(box.lo, sibling.lo);
+    box.hi = max(box.hi, sibling.hi);
     parent = node_parents[node];
   }
 }

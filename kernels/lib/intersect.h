@@ -54,17 +54,19 @@ static inline Ray make_ray(real3 origin, real3 direction, real t_min, real t_max
   return r;
 }
 
-// Whether the ray meets the box before t_far; *t_near is where it enters. Subtract first, multiply after:
-// fma(plane, inverse, -origin * inverse) loses rays far from the origin.
-static inline bool intersect_box(const Ray* ray, real3 lo, real3 hi, real t_far, real* t_near) {
+// Which of a node's two boxes the ray meets before t_far; *t_near is where it enters them. Subtract first, multiply
+// after: fma(plane, inverse, -origin * inverse) loses rays far from the origin.
+static inline int2 intersect_boxes(const Ray* ray, const BvhNode* node, real t_far, real2* t_near) {
 #pragma OPENCL FP_CONTRACT OFF
-  const real3 a = (lo - ray->origin) * ray->inverse;
-  const real3 b = (hi - ray->origin) * ray->inverse;
-  const real3 near3 = min(a, b);
-  const real3 far3 = max(a, b);
-  *t_near = max(max(near3.x, near3.y), max(near3.z, ray->t_min));
-  const real far_padded = min(min(far3.x, far3.y), far3.z) * HR_SLAB_PAD;
-  return *t_near <= min(far_padded, t_far * HR_SLAB_PAD);
+  const real4 x = (real4)(node->x.x, node->x.y, node->x.z, node->x.w) - ray->origin.x;
+  const real4 y = (real4)(node->y.x, node->y.y, node->y.z, node->y.w) - ray->origin.y;
+  const real4 z = (real4)(node->z.x, node->z.y, node->z.z, node->z.w) - ray->origin.z;
+  const real4 tx = x * ray->inverse.x, ty = y * ray->inverse.y, tz = z * ray->inverse.z;
+  const real2 near_x = min(tx.xz, tx.yw), near_y = min(ty.xz, ty.yw), near_z = min(tz.xz, tz.yw);
+  const real2 far_x = max(tx.xz, tx.yw), far_y = max(ty.xz, ty.yw), far_z = max(tz.xz, tz.yw);
+  *t_near = max(max(near_x, near_y), max(near_z, (real2)(ray->t_min)));
+  const real2 t_exit = min(min(far_x, far_y), min(far_z, (real2)(t_far))) * HR_SLAB_PAD;
+  return *t_near <= t_exit;
 }
 
 // Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". Products are rounded alike on both sides of a shared

@@ -73,15 +73,10 @@ static inline Hit traverse(const SceneView* view, const Ray* ray, const Skip* sk
   int node_index = 0;
   while (node_index >= 0 && !(any && found)) {
     const BvhNode node = view->bvh_nodes[node_index];
-    int child[2];
-    child[0] = as_int(node.left_lo.w);
-    child[1] = as_int(node.right_lo.w);
-    real t_near[2];
-    bool enter[2];
-    enter[0] = intersect_box(ray, (real3)(node.left_lo.x, node.left_lo.y, node.left_lo.z),
-                             (real3)(node.left_hi.x, node.left_hi.y, node.left_hi.z), best.t, &t_near[0]);
-    enter[1] = intersect_box(ray, (real3)(node.right_lo.x, node.right_lo.y, node.right_lo.z),
-                             (real3)(node.right_hi.x, node.right_hi.y, node.right_hi.z), best.t, &t_near[1]);
+    const int child[2] = {(int)node.child.x, (int)node.child.y};
+    real2 t_near;
+    const int2 entered = intersect_boxes(ray, &node, best.t, &t_near);
+    bool enter[2] = {entered.x != 0, entered.y != 0};
     for (int side = 0; side < 2; side++) {
       if (enter[side] && child[side] < 0) {
         if (intersect_leaf(view, ray, (uint)~child[side], skip, &candidate) && is_closer(&candidate, &best)) {
@@ -92,7 +87,7 @@ static inline Hit traverse(const SceneView* view, const Ray* ray, const Skip* sk
       }
     }
     if (enter[0] && enter[1]) {
-      const int far_side = t_near[0] <= t_near[1] ? 1 : 0;
+      const int far_side = t_near.x <= t_near.y ? 1 : 0;
       stack[stack_size++] = child[far_side];
       node_index = child[1 - far_side];
     } else if (enter[0] || enter[1]) {

@@ -1,15 +1,13 @@
 // OBJ and MTL reading: indices, polygons, groups, materials, and the places that errors name.
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <numeric>
-#include <set>
 
 #include "host/base/error.hpp"
 #include "host/scene/mtl_reader.hpp"
 #include "host/scene/obj_reader.hpp"
-#include "host/scene/text_cursor.hpp"
 #include "host/scene/triangulate.hpp"
 #include "tests/support/image_files.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -17,8 +15,6 @@
 using namespace hemiray;
 
 namespace {
-
-constexpr float kTextRounding = 1e-6F;  // decimal text to float, and one float operation
 
 Scene read(const std::string& text, const std::map<std::string, std::string>& files = {}) {
   return read_obj(text, "m.obj", [&](const std::string& name) -> std::optional<std::vector<std::uint8_t>> {

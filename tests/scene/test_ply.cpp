@@ -110,11 +110,11 @@ TEST_CASE("float colours of a PLY file are linear") {
 TEST_CASE("triangles of a binary PLY file with non-finite vertices are dropped and counted") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
-  const Scene scene = read(binary_triangles({nan, 0, 0, 0, 0, 0, 1, 0, 0, 0, inf, 0, 0, 1, 0, 1, 1, 0},
+  const Scene scene = read(binary_triangles({nan, 0, 0, 0, 0, 0, 1, 0, 0, 0, inf, 0, 0, 1, 0, 1, 2, 0},
                                             {{0, 1, 2}, {1, 2, 4}, {1, 2, 5, 3}, {2, 5, 4}, {1, 1, 2}}));
   CHECK(scene.dropped_triangles == 1 + 2 + 1);
   REQUIRE(scene.meshes.size() == 1);
-  CHECK(scene.meshes[0].positions == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
+  CHECK(scene.meshes[0].positions == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 2, 0}});
   CHECK(scene.meshes[0].triangles == std::vector<UVec3>{{0, 1, 2}, {1, 3, 2}});
 }
 
