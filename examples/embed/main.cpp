@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
       std::cerr << "the middle of the picture shows nothing\n";
       return 1;
     }
-    std::cout << "the middle of the picture is " << hits.front().distance << " m away\n";
+    std::cout << "the middle of the picture is " << hits.front().t << " m away\n";
   } catch (const std::exception& error) {
     std::cerr << "embed: " << error.what() << '\n';
     return 1;
