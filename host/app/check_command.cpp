@@ -7,6 +7,9 @@
 
 #include "host/app/commands.hpp"
 #include "host/base/error.hpp"
+#include "host/path/memory_prediction.hpp"
+#include "host/scene/features.hpp"
+#include "host/scene/flat_scene.hpp"
 #include "host/scene/load.hpp"
 #include "host/scene/summary.hpp"
 
@@ -24,6 +27,13 @@ constexpr const char* kExamples = R"(Examples:
 
 Exit code: 0 the scene is valid, 2 it is not (one line on stderr says where and why).)";
 
+// Without a device: for the profile of a CPU, whose waves are the smaller ones.
+std::uint64_t predict(const Scene& scene) {
+  const FlatScene flat = flatten_scene(scene);
+  return predict_render_bytes(flat, features_of(scene, flat, scene.depth), EngineKind::wavefront, scene.camera.width,
+                              scene.camera.height, scene.depth, DeviceProfile{});
+}
+
 }  // namespace
 
 void add_check_command(CLI::App& app, int& exit_code) {
@@ -33,7 +43,9 @@ void add_check_command(CLI::App& app, int& exit_code) {
   command->add_flag("--json", options->json, "Print the summary as JSON");
   command->footer(kExamples);
   command->callback([options, &exit_code] {
-    const SceneSummary summary = summarize(load_scene(options->scene));
+    const Scene scene = load_scene(options->scene);
+    SceneSummary summary = summarize(scene);
+    summary.device_bytes = predict(scene);
     const std::string text = options->json ? summary_json(summary) : summary_text(summary);
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
       throw DeviceError("stdout: cannot write the summary");

@@ -25,13 +25,15 @@ double rays_per_second(const StageTime& stage) {
 double total_rays(const RenderStatistics& s) { return static_cast<double>(s.rays.closest + s.rays.shadow); }
 
 double compile_ms(const RenderStatistics& s) {
-  double sum = 0.0;
+  double sum = s.launch_compile_ms;
   for (const ProgramStatistics& program : s.programs) sum += program.build_ms;
   return sum;
 }
 
+// Nothing was compiled: every program came from our cache or, where the driver keeps one, from the driver's.
 bool all_cached(const RenderStatistics& s) {
-  return std::all_of(s.programs.begin(), s.programs.end(), [](const auto& p) { return p.from_cache; });
+  return s.kernels_compiled == 0 &&
+         std::all_of(s.programs.begin(), s.programs.end(), [](const auto& p) { return p.cached; });
 }
 
 }  // namespace
@@ -69,7 +71,7 @@ std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
 std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
   nlohmann::json programs = nlohmann::json::array();
   for (const ProgramStatistics& p : s.programs) {
-    programs.push_back({{"name", p.name}, {"kernels", p.kernels}, {"ms", p.build_ms}, {"cached", p.from_cache}});
+    programs.push_back({{"name", p.name}, {"kernels", p.kernels}, {"ms", p.build_ms}, {"cached", p.cached}});
   }
   nlohmann::json stages = nlohmann::json::array();
   for (const StageTime& stage : s.stages) {
@@ -110,10 +112,12 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
       {"morton_bits", s.accel.morton_bits},
       {"compile_ms", compile_ms(s)},
       {"compile_cached", all_cached(s)},
+      {"kernels_compiled", s.kernels_compiled},
       {"programs", programs},
       {"trace_ms", s.trace_ms},
       {"rays", {{"closest", s.rays.closest}, {"shadow", s.rays.shadow}}},
       {"mrays_per_s", total_rays(s) / (s.trace_ms * 1e3)},
+      {"predicted_device_bytes", s.predicted_device_bytes},
       {"peak_device_bytes", s.peak_device_bytes},
       {"first_pixel_s", f.first_pixel_s},
       {"total_s", f.total_s},

@@ -29,7 +29,7 @@ struct AccelStatistics {
   std::uint32_t degenerate = 0;   ///< dropped: no area or radius
   unsigned morton_bits = 0;
   shared::float4 lo{}, hi{};      ///< bounds [m]; lo > hi if there is no primitive
-  double build_ms = 0.0;          ///< wall time, kernels compiled beforehand
+  double build_ms = 0.0;          ///< wall time without compilation
 };
 
 /// The program that builds trees, compiled once a context and shared by all of them.

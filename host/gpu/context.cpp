@@ -23,6 +23,13 @@ void Context::finish() {
   });
 }
 
+void Context::account_first_launch(double milliseconds) {
+  // A compiled kernel is loaded in about 1 ms; compiling takes 50 ms and more.
+  constexpr double kCompileThresholdMs = 20.0;
+  launch_compile_ms_ += milliseconds;
+  if (milliseconds > kCompileThresholdMs) kernels_compiled_++;
+}
+
 void Context::account_allocation(std::uint64_t bytes, const std::string& name) {
   if (bytes > device_.max_allocation_bytes) {
     throw DeviceError(fmt::format("device memory: {} needs {} in one piece, {} allows {}", name, format_bytes(bytes),

@@ -30,6 +30,11 @@ class Context {
   /// Waits for all commands and reads their times. A failure of a command shows here as DeviceError.
   void finish();
 
+  /// Account of first launches, kept by launch(): some drivers compile a kernel only then.
+  void account_first_launch(double milliseconds);
+  [[nodiscard]] double launch_compile_ms() const { return launch_compile_ms_; }
+  [[nodiscard]] std::size_t kernels_compiled() const { return kernels_compiled_; }
+
   /// Memory account, kept by Buffer. Throws DeviceError if `bytes` more do not fit the device ("needs ..., has ...").
   void account_allocation(std::uint64_t bytes, const std::string& name);
   void account_release(std::uint64_t bytes) noexcept { allocated_bytes_ -= bytes; }
@@ -44,6 +49,8 @@ class Context {
   Profiler profiler_;
   std::uint64_t allocated_bytes_ = 0;
   std::uint64_t peak_bytes_ = 0;
+  double launch_compile_ms_ = 0.0;
+  std::size_t kernels_compiled_ = 0;
 };
 
 }  // namespace hemiray

@@ -149,8 +149,15 @@ void launch(Context& context, Kernel& kernel, std::uint64_t items, const Argumen
   const std::size_t global = (items + local - 1) / local * local;
   cl_guard("launching kernel " + kernel.name, [&] {
     cl::Event event;
+    const double start_us = context.profiler().now_us();
     context.queue().enqueueNDRangeKernel(kernel.handle, cl::NullRange, cl::NDRange(global), cl::NDRange(local),
                                          nullptr, &event);
+    if (!kernel.launched) {
+      const double took_us = context.profiler().now_us() - start_us;
+      context.account_first_launch(took_us * 1e-3);
+      context.profiler().record_host("first launch " + kernel.name, "compile", start_us, took_us);
+      kernel.launched = true;
+    }
     context.profiler().record(kernel.name, "kernel", items, event);
   });
   if (context.profiler().has_pending()) context.finish();

@@ -43,6 +43,7 @@ struct Kernel {
   cl::Kernel handle;
   std::vector<std::string> argument_names;
   std::size_t local_size = 0;  ///< compiled in; 0: a chunked kernel, any
+  bool launched = false;
 };
 
 /// How a program is compiled.

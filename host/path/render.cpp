@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
 #include "host/path/camera_params.hpp"
+#include "host/path/memory_prediction.hpp"
 #include "host/scene/features.hpp"
 #include "host/scene/flat_scene.hpp"
 
@@ -51,6 +53,7 @@ void trace_passes(Context& context, PathEngine& engine, Film& film, shared::Rend
                   RenderStatistics& statistics) {
   const std::uint32_t pixels = params.width * params.height;
   const double start = now_ms();
+  const double compile_start = context.launch_compile_ms();
   double done = 0.0;
   for (int pass = 0; pass < options.spp; pass++) {
     params.sample = static_cast<std::uint32_t>(pass);
@@ -76,11 +79,12 @@ void trace_passes(Context& context, PathEngine& engine, Film& film, shared::Rend
       break;
     }
   }
-  statistics.trace_ms = now_ms() - start;
+  statistics.trace_ms = now_ms() - start - (context.launch_compile_ms() - compile_start);
 }
 
-void note_program(RenderStatistics& statistics, const Program& program) {
-  statistics.programs.push_back({program.name(), program.kernel_count(), program.build_ms(), program.from_cache()});
+void note_program(const Context& context, RenderStatistics& statistics, const Program& program) {
+  const bool cached = program.from_cache() || context.profile().has_own_cache;
+  statistics.programs.push_back({program.name(), program.kernel_count(), program.build_ms(), cached});
 }
 
 }  // namespace
@@ -101,6 +105,14 @@ RenderResult render_scene(Context& context, const Scene& scene, const RenderOpti
   const double start = now_ms();
   const FlatScene flat = flatten_scene(scene);
   statistics.features = features_of(scene, flat, depth);
+  statistics.predicted_device_bytes =
+      predict_render_bytes(flat, statistics.features, options.engine, width, height, depth, context.profile());
+  if (statistics.predicted_device_bytes > context.device().global_bytes) {
+    throw DeviceError(fmt::format("device memory: the scene at {} x {} needs {}, {} has {}; take a smaller --size or "
+                                  "another device",
+                                  width, height, format_bytes(statistics.predicted_device_bytes),
+                                  context.device().name, format_bytes(context.device().global_bytes)));
+  }
   const DeviceScene device_scene(context, flat, statistics.features);
   statistics.upload_ms = now_ms() - start;
   statistics.planes = device_scene.plane_count();
@@ -124,9 +136,11 @@ RenderResult render_scene(Context& context, const Scene& scene, const RenderOpti
   context.finish();
   statistics.stages = context.profiler().stages();
   statistics.peak_device_bytes = context.peak_bytes();
-  note_program(statistics, parallel.program());
-  note_program(statistics, builder.program);
-  note_program(statistics, engine->program());
+  statistics.launch_compile_ms = context.launch_compile_ms();
+  statistics.kernels_compiled = context.kernels_compiled();
+  note_program(context, statistics, parallel.program());
+  note_program(context, statistics, builder.program);
+  note_program(context, statistics, engine->program());
   return result;
 }
 

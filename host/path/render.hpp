@@ -33,7 +33,7 @@ struct ProgramStatistics {
   std::string name;
   std::size_t kernels = 0;
   double build_ms = 0.0;
-  bool from_cache = false;
+  bool cached = false;  ///< from hemiray's cache, or left to the driver's own
 };
 
 struct RenderStatistics {
@@ -44,9 +44,12 @@ struct RenderStatistics {
   int passes = 0;
   bool interrupted = false;
   double upload_ms = 0.0;  ///< flattening the scene and copying it to the device
-  double trace_ms = 0.0;   ///< wall time of all passes
+  double trace_ms = 0.0;   ///< wall time of all passes without compilation
+  double launch_compile_ms = 0.0;     ///< spent by the driver on kernels at their first launch
+  std::size_t kernels_compiled = 0;   ///< of these, how many it really compiled
   std::vector<ProgramStatistics> programs;
   std::vector<StageTime> stages;
+  std::uint64_t predicted_device_bytes = 0;
   std::uint64_t peak_device_bytes = 0;
 };
 

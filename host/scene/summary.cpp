@@ -8,7 +8,6 @@
 #include "host/base/numbers.hpp"
 #include "host/scene/bounds.hpp"
 #include "host/scene/emission.hpp"
-#include "host/scene/memory_estimate.hpp"
 
 namespace hemiray {
 namespace {
@@ -66,7 +65,6 @@ SceneSummary summarize(const Scene& scene) {
   summary.textures = scene.textures.size();
   for (const Texture& texture : scene.textures) summary.texture_bytes += texture.rgba.size();
   summary.dropped_triangles = scene.dropped_triangles;
-  summary.device_bytes = predict_device_bytes(scene);
   summary.width = scene.camera.width;
   summary.height = scene.camera.height;
   const WorldBounds bounds = world_bounds(scene);
@@ -100,7 +98,7 @@ std::string summary_text(const SceneSummary& s) {
     row("bounds", fmt::format("[{:.4g}, {:.4g}, {:.4g}] to [{:.4g}, {:.4g}, {:.4g}] m", s.bounds_min[0],
                               s.bounds_min[1], s.bounds_min[2], s.bounds_max[0], s.bounds_max[1], s.bounds_max[2]));
   }
-  row("memory", fmt::format("about {} on the device, and the image on top", format_bytes(s.device_bytes)));
+  row("memory", fmt::format("{} on the device at {} x {}", format_bytes(s.device_bytes), s.width, s.height));
   if (s.dropped_triangles > 0) {
     row("dropped", fmt::format("{} without area or not finite", plural(s.dropped_triangles, "triangle")));
   }

@@ -27,7 +27,7 @@ struct SceneSummary {
   std::uint64_t textures = 0;
   std::uint64_t texture_bytes = 0;
   std::uint64_t dropped_triangles = 0;
-  std::uint64_t device_bytes = 0;  ///< predict_device_bytes()
+  std::uint64_t device_bytes = 0;  ///< peak of a render at the scene's own size; filled by who can predict it
   int width = 0;                   ///< default image size [pixels]
   int height = 0;
   std::vector<double> bounds_min;  ///< [x, y, z] in m; empty where nothing is bounded
