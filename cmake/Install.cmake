@@ -2,21 +2,22 @@
 # package files for find_package(hemiray). The shared library hides its own dependencies, so users need none of them.
 include(CMakePackageConfigHelpers)
 
-add_library(hemiray SHARED $<TARGET_OBJECTS:hemiray_core>)
-add_library(hemiray::hemiray ALIAS hemiray)
+add_library(hemiray_shared SHARED $<TARGET_OBJECTS:hemiray_core>)
+add_library(hemiray::hemiray ALIAS hemiray_shared)
 set(HR_EXPORTS ${CMAKE_SOURCE_DIR}/cmake/exports.map)
-target_link_libraries(hemiray PRIVATE ${HR_DEPENDENCIES})
-target_link_options(hemiray PRIVATE -Wl,--version-script=${HR_EXPORTS} -Wl,--no-undefined)
-target_compile_features(hemiray INTERFACE cxx_std_20)
-target_include_directories(hemiray INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(hemiray_shared PRIVATE ${HR_DEPENDENCIES})
+target_link_options(hemiray_shared PRIVATE -Wl,--version-script=${HR_EXPORTS} -Wl,--no-undefined)
+target_compile_features(hemiray_shared INTERFACE cxx_std_20)
+target_include_directories(hemiray_shared INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 # Before 1.0 every minor version may change the binary interface.
-set_target_properties(hemiray PROPERTIES LINKER_LANGUAGE CXX LINK_DEPENDS ${HR_EXPORTS} VERSION ${PROJECT_VERSION}
+set_target_properties(hemiray_shared PROPERTIES OUTPUT_NAME hemiray EXPORT_NAME hemiray LINKER_LANGUAGE CXX
+                      LINK_DEPENDS ${HR_EXPORTS} VERSION ${PROJECT_VERSION}
                       SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 if(HR_SANITIZE)  # sanitizer runtimes live in the program, so the library has undefined symbols
-  set_property(TARGET hemiray PROPERTY LINK_OPTIONS -Wl,--version-script=${HR_EXPORTS})
+  set_property(TARGET hemiray_shared PROPERTY LINK_OPTIONS -Wl,--version-script=${HR_EXPORTS})
 endif()
 
-install(TARGETS hemiray EXPORT hemiray_targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS hemiray_shared EXPORT hemiray_targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS hemiray_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES host/api/hemiray.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hemiray)
 install(DIRECTORY scenes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/hemiray/scenes)

@@ -62,8 +62,8 @@ std::vector<shared::QueryRay> to_query_rays(std::span<const Ray> rays) {
   std::vector<shared::QueryRay> queries;
   queries.reserve(rays.size());
   for (const Ray& r : rays) {
-    queries.push_back({{r.origin[0], r.origin[1], r.origin[2], r.t_min},
-                       {r.direction[0], r.direction[1], r.direction[2], r.t_max}});
+    queries.push_back(
+        {{r.origin[0], r.origin[1], r.origin[2], r.t_min}, {r.direction[0], r.direction[1], r.direction[2], r.t_max}});
   }
   return queries;
 }

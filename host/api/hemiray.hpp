@@ -41,7 +41,8 @@ class Context {
   std::unique_ptr<Data> data_;
 };
 
-/// A ray; hits count in the open interval (t_min, t_max), in lengths of `direction`, which may have any length but zero.
+/// A ray; hits count in the open interval (t_min, t_max), in lengths of `direction`, which may have any length but
+/// zero.
 struct Ray {
   float origin[3];  ///< [m]
   float t_min;
@@ -88,9 +89,9 @@ struct RenderOptions {
   int width = 0;   ///< [pixels]; 0: the scene's own size
   int height = 0;  ///< [pixels]; 0: the scene's own size
   int samples_per_pixel = 4;
-  int depth = -1;          ///< bounces of mirrors and glass, 0 to 64; negative: the scene's own
+  int depth = -1;  ///< bounces of mirrors and glass, 0 to 64; negative: the scene's own
   std::uint32_t seed = 0;
-  bool strict = false;     ///< same bits from both engines
+  bool strict = false;  ///< same bits from both engines
   /// Called now and then with the share done in [0, 1]; returning false ends the render after the current pass.
   std::function<bool(double)> on_progress;
 };

@@ -5,8 +5,8 @@
 
 namespace hemiray::app {
 
-// Each adds one subcommand to `app`. Its callback sets `exit_code`, or throws hemiray::Error, which main() prints as one
-// line on stderr and turns into the exit code.
+// Each adds one subcommand to `app`. Its callback sets `exit_code`, or throws hemiray::Error, which main() prints as
+// one line on stderr and turns into the exit code.
 void add_render_command(CLI::App& app, int& exit_code);
 void add_devices_command(CLI::App& app, int& exit_code);
 void add_check_command(CLI::App& app, int& exit_code);

@@ -36,7 +36,8 @@ nlohmann::json to_json(const DeviceInfo& d, bool chosen) {
           {"correctly_rounded_divide", d.rounds_divide_correctly},
           {"usable", d.usable},
           {"why_not", d.why_not},
-          {"profile", {{"local_size", profile.local_size}, {"chunks", profile.chunks}, {"wave_slots", profile.wave_slots}}}};
+          {"profile",
+           {{"local_size", profile.local_size}, {"chunks", profile.chunks}, {"wave_slots", profile.wave_slots}}}};
 }
 
 void print(const DeviceInfo& d, bool chosen) {

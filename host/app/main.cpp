@@ -1,13 +1,20 @@
 // The program: parses the command line, runs one subcommand, turns every error into one line and an exit code.
+#include <signal.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "host/app/commands.hpp"
 #include "host/base/build_info.hpp"
 #include "host/base/error.hpp"
+#include "host/scene/spelling.hpp"
 
 namespace {
 
@@ -20,9 +27,22 @@ constexpr const char* kFooter = R"(Examples:
 
 Exit codes: 0 done; 1 device or system; 2 usage or input; 3 a comparison beyond its tolerance; 130 interrupted.)";
 
-int fail(hemiray::ExitCode code, const char* message) {
-  std::fprintf(stderr, "hemiray: %s\n", message);
+// One line, whatever file names and drivers put into the message.
+int fail(hemiray::ExitCode code, std::string message) {
+  std::replace_if(
+      message.begin(), message.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, ' ');
+  std::fprintf(stderr, "hemiray: %s\n", message.c_str());
   return static_cast<int>(code);
+}
+
+// CLI11 only says that a command is missing where an unknown one is given.
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  const std::string_view word = argc > 1 ? argv[1] : "";
+  const bool names_command = !word.empty() && word.front() != '-' && app.get_subcommands().empty();
+  if (!names_command) return std::string(error.what()) + "; see 'hemiray --help'";
+  std::vector<std::string_view> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return hemiray::in_quotes(word) + " is not a command" + hemiray::spelling_hint(word, names);
 }
 
 int run(int argc, char** argv) {
@@ -40,8 +60,9 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return fail(ExitCode::input, (std::string(error.what()) + "; see 'hemiray --help'").c_str());
+    return fail(ExitCode::input, usage_error(app, error, argc, argv));
   }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return fail(ExitCode::device, "stdout: cannot write to it");
   return exit_code;
 }
 
@@ -49,6 +70,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using hemiray::ExitCode;
+  signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes shows as an error of write(), which removes the temporary file
   try {
     return run(argc, argv);
   } catch (const hemiray::Error& error) {
@@ -56,6 +78,6 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return fail(ExitCode::device, "out of memory on the host");
   } catch (const std::exception& error) {
-    return fail(ExitCode::device, (std::string("internal error: ") + error.what()).c_str());
+    return fail(ExitCode::device, std::string("internal error: ") + error.what());
   }
 }

@@ -1,8 +1,9 @@
 // `hemiray render SCENE -o FILE`.
 #include <fmt/format.h>
 
-#include <chrono>
+#include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 
 #include "host/app/commands.hpp"
@@ -19,6 +20,8 @@
 
 namespace hemiray::app {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr const char* kExamples = R"(Examples:
   hemiray render scenes/cornell_box.json -o cornell.exr
@@ -92,12 +95,25 @@ RenderFacts gather_facts(const RenderArguments& given, const Scene& scene, const
 
 void check_outputs(const RenderArguments& given) {
   if (!ends_with(given.output, ".exr")) {
-    throw InputError("--output", fmt::format("'{}' does not end in .exr; a PNG is written beside it with --png",
-                                             given.output));
+    throw InputError("--output",
+                     fmt::format("'{}' does not end in .exr; a PNG is written beside it with --png", given.output));
   }
+  if (!given.png.empty() && !ends_with(given.png, ".png")) {
+    throw InputError("--png", fmt::format("'{}' does not end in .png", given.png));
+  }
+  // The range check of the option lets NaN pass.
+  if (std::isnan(given.exposure)) throw InputError("--exposure", "not a number; give stops, such as 1 or -0.5");
   check_writable(given.output);
   if (!given.png.empty()) check_writable(given.png);
-  if (!given.trace.empty()) check_writable(given.trace);
+  if (given.trace.empty()) return;
+  check_writable(given.trace);
+  for (const std::string& other : {given.scene, given.output, given.png}) {
+    std::error_code ignored;
+    const auto resolved = [&ignored](const std::string& file) { return fs::weakly_canonical(file, ignored); };
+    if (!other.empty() && resolved(other) == resolved(given.trace)) {
+      throw InputError("--trace", fmt::format("'{}' would overwrite the scene or the picture", given.trace));
+    }
+  }
 }
 
 int run_render(const RenderArguments& given) {

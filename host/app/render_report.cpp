@@ -52,12 +52,12 @@ std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
   line("compile", fmt::format("{} ({})", format_duration(compile_ms(s) * 1e-3), all_cached(s) ? "cached" : "cold"));
   line("build", fmt::format("{}, {}-bit Morton codes", format_duration(s.accel.build_ms * 1e-3), s.accel.morton_bits));
   if (s.accel.non_finite + s.accel.degenerate > 0) {
-    line("dropped", fmt::format("{} primitives that are not finite, {} without area", s.accel.non_finite,
-                                s.accel.degenerate));
+    line("dropped",
+         fmt::format("{} primitives that are not finite, {} without area", s.accel.non_finite, s.accel.degenerate));
   }
-  line("trace", fmt::format("{}, {} rays, {}", format_duration(s.trace_ms * 1e-3),
-                            format_count(s.rays.closest + s.rays.shadow),
-                            format_rate(total_rays(s) / (s.trace_ms * 1e-3), "rays/s")));
+  line("trace",
+       fmt::format("{}, {} rays, {}", format_duration(s.trace_ms * 1e-3), format_count(s.rays.closest + s.rays.shadow),
+                   format_rate(total_rays(s) / (s.trace_ms * 1e-3), "rays/s")));
   line("first", fmt::format("{:.2f} s to the first picture, {:.2f} s in all", f.first_pixel_s, f.total_s));
   text += fmt::format("{:<26}{:>9}{:>12}{:>12}{:>12}\n", "kernel", "launches", "items", "ms", "Mrays/s");
   for (const StageTime& stage : s.stages) {
@@ -75,53 +75,50 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
   }
   nlohmann::json stages = nlohmann::json::array();
   for (const StageTime& stage : s.stages) {
-    nlohmann::json row = {{"name", stage.name},
-                          {"launches", stage.launches},
-                          {"items", stage.items},
-                          {"ms", stage.milliseconds}};
+    nlohmann::json row = {
+        {"name", stage.name}, {"launches", stage.launches}, {"items", stage.items}, {"ms", stage.milliseconds}};
     if (traces_rays(stage.name)) row["mrays_per_s"] = rays_per_second(stage) * 1e-6;
     stages.push_back(std::move(row));
   }
-  const nlohmann::json all = {
-      {"hemiray", {{"version", kVersion}, {"commit", kCommit}}},
-      {"scene",
-       {{"file", f.scene},
-        {"primitives", s.accel.primitives},
-        {"dropped_non_finite", s.accel.non_finite},
-        {"dropped_degenerate", s.accel.degenerate},
-        {"planes", s.planes},
-        {"lights", s.lights},
-        {"emitters", s.emitters},
-        {"notes", f.notes}}},
-      {"output", f.output},
-      {"device", {{"name", f.device}, {"platform", f.platform}, {"driver", f.driver}}},
-      {"options",
-       {{"engine", f.engine},
-        {"width", f.width},
-        {"height", f.height},
-        {"spp", f.spp},
-        {"depth", f.depth},
-        {"seed", f.seed},
-        {"strict", f.strict}}},
-      {"effects", feature_names(s.features)},
-      {"passes", s.passes},
-      {"interrupted", s.interrupted},
-      {"load_ms", f.load_ms},
-      {"upload_ms", s.upload_ms},
-      {"build_ms", s.accel.build_ms},
-      {"morton_bits", s.accel.morton_bits},
-      {"compile_ms", compile_ms(s)},
-      {"compile_cached", all_cached(s)},
-      {"kernels_compiled", s.kernels_compiled},
-      {"programs", programs},
-      {"trace_ms", s.trace_ms},
-      {"rays", {{"closest", s.rays.closest}, {"shadow", s.rays.shadow}}},
-      {"mrays_per_s", total_rays(s) / (s.trace_ms * 1e3)},
-      {"predicted_device_bytes", s.predicted_device_bytes},
-      {"peak_device_bytes", s.peak_device_bytes},
-      {"first_pixel_s", f.first_pixel_s},
-      {"total_s", f.total_s},
-      {"stages", stages}};
+  const nlohmann::json all = {{"hemiray", {{"version", kVersion}, {"commit", kCommit}}},
+                              {"scene",
+                               {{"file", f.scene},
+                                {"primitives", s.accel.primitives},
+                                {"dropped_non_finite", s.accel.non_finite},
+                                {"dropped_degenerate", s.accel.degenerate},
+                                {"planes", s.planes},
+                                {"lights", s.lights},
+                                {"emitters", s.emitters},
+                                {"notes", f.notes}}},
+                              {"output", f.output},
+                              {"device", {{"name", f.device}, {"platform", f.platform}, {"driver", f.driver}}},
+                              {"options",
+                               {{"engine", f.engine},
+                                {"width", f.width},
+                                {"height", f.height},
+                                {"spp", f.spp},
+                                {"depth", f.depth},
+                                {"seed", f.seed},
+                                {"strict", f.strict}}},
+                              {"effects", feature_names(s.features)},
+                              {"passes", s.passes},
+                              {"interrupted", s.interrupted},
+                              {"load_ms", f.load_ms},
+                              {"upload_ms", s.upload_ms},
+                              {"build_ms", s.accel.build_ms},
+                              {"morton_bits", s.accel.morton_bits},
+                              {"compile_ms", compile_ms(s)},
+                              {"compile_cached", all_cached(s)},
+                              {"kernels_compiled", s.kernels_compiled},
+                              {"programs", programs},
+                              {"trace_ms", s.trace_ms},
+                              {"rays", {{"closest", s.rays.closest}, {"shadow", s.rays.shadow}}},
+                              {"mrays_per_s", total_rays(s) / (s.trace_ms * 1e3)},
+                              {"predicted_device_bytes", s.predicted_device_bytes},
+                              {"peak_device_bytes", s.peak_device_bytes},
+                              {"first_pixel_s", f.first_pixel_s},
+                              {"total_s", f.total_s},
+                              {"stages", stages}};
   return all.dump(2) + "\n";
 }
 
@@ -137,8 +134,7 @@ std::string report_trace(const std::vector<TraceSpan>& spans) {
                       {"dur", span.duration_us}});
   }
   for (const auto& [id, name] : {std::pair{1, "host"}, std::pair{2, "device"}}) {
-    events.push_back(
-        {{"name", "thread_name"}, {"ph", "M"}, {"pid", 1}, {"tid", id}, {"args", {{"name", name}}}});
+    events.push_back({{"name", "thread_name"}, {"ph", "M"}, {"pid", 1}, {"tid", id}, {"args", {{"name", name}}}});
   }
   return nlohmann::json{{"traceEvents", events}}.dump() + "\n";
 }

@@ -20,7 +20,8 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
-/// Bad input or usage (exit code 2). `place` names what is at fault: "file:line:column", "file: /json/path", "--option".
+/// Bad input or usage (exit code 2). `place` names what is at fault: "file:line:column", "file: /json/path",
+/// "--option".
 class InputError : public Error {
  public:
   explicit InputError(const std::string& message) : Error(ExitCode::input, message) {}

@@ -1,5 +1,5 @@
-// The counter-based random numbers of kernels/lib/rng.h on the host, same bits: a hash of (pixel, sample, ordinal of the
-// ray segment, dimension).
+// The counter-based random numbers of kernels/lib/rng.h on the host, same bits: a hash of (pixel, sample, ordinal of
+// the ray segment, dimension).
 #pragma once
 
 #include <array>
@@ -34,13 +34,13 @@ constexpr RngWords rng_hash(RngWords v) {
 /// 24 random bits as a float in [0, 1), exact.
 constexpr float rng_unit(std::uint32_t bits) { return static_cast<float>(bits >> 8U) * 0x1p-24F; }
 
-/// The bits of v in reverse order: first dimension of Sobol's sequence.
-constexpr std::uint32_t rng_reverse_bits(std::uint32_t v) {
-  v = (v >> 16U) | (v << 16U);
-  v = ((v >> 8U) & 0x00ff00ffU) | ((v & 0x00ff00ffU) << 8U);
-  v = ((v >> 4U) & 0x0f0f0f0fU) | ((v & 0x0f0f0f0fU) << 4U);
-  v = ((v >> 2U) & 0x33333333U) | ((v & 0x33333333U) << 2U);
-  return ((v >> 1U) & 0x55555555U) | ((v & 0x55555555U) << 1U);
+/// First dimension of Sobol's sequence: van der Corput's, the bits of the index reversed.
+constexpr std::uint32_t rng_sobol1(std::uint32_t index) {
+  std::uint32_t result = 0;
+  for (std::uint32_t v = 1U << 31U; index != 0; index >>= 1U, v >>= 1U) {
+    if ((index & 1U) != 0) result |= v;
+  }
+  return result;
 }
 
 /// Second dimension of Sobol's sequence (Kollig and Keller 2002).
@@ -54,11 +54,10 @@ constexpr std::uint32_t rng_sobol2(std::uint32_t index) {
 
 /// Place of sample `sample` of `samples` inside its pixel, [0,1)^2: the centre if it is the only one, else a
 /// (0,2)-sequence scrambled per pixel. `seed_key` is the seed times 0x9E3779B9.
-inline Vec2 rng_pixel_offset(std::uint32_t pixel, std::uint32_t sample, std::uint32_t samples,
-                             std::uint32_t seed_key) {
+inline Vec2 rng_pixel_offset(std::uint32_t pixel, std::uint32_t sample, std::uint32_t samples, std::uint32_t seed_key) {
   if (samples == 1) return Vec2(0.5F);
   const RngWords scramble = rng_hash({pixel, 0, 0, kDimensionPixel ^ seed_key});
-  return {rng_unit(rng_reverse_bits(sample) ^ scramble[0]), rng_unit(rng_sobol2(sample) ^ scramble[1])};
+  return {rng_unit(rng_sobol1(sample) ^ scramble[0]), rng_unit(rng_sobol2(sample) ^ scramble[1])};
 }
 
 }  // namespace hemiray

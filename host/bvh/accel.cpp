@@ -92,9 +92,7 @@ void Accel::emit_tree(AccelBuilder& builder, const DeviceScene& scene, const Buf
   context.finish();
 }
 
-Arguments Accel::tree_arguments() const {
-  return arguments(arg("bvh_nodes", nodes_), arg("bvh_leaves", leaves_));
-}
+Arguments Accel::tree_arguments() const { return arguments(arg("bvh_nodes", nodes_), arg("bvh_leaves", leaves_)); }
 
 RayQueries::RayQueries(Context& context, const DeviceScene& scene, const Accel& accel, bool strict)
     : context_(&context),

@@ -1,4 +1,5 @@
-// The acceleration structure: built wholly by kernels on the device, asked by arrays of rays or by other effects' kernels.
+// The acceleration structure: built wholly by kernels on the device, asked by arrays of rays or by other effects'
+// kernels.
 #pragma once
 
 #include <cstdint>
@@ -24,12 +25,12 @@ struct AccelOptions {
 
 /// What the build found and made.
 struct AccelStatistics {
-  std::uint32_t primitives = 0;   ///< in the tree
-  std::uint32_t non_finite = 0;   ///< dropped: NaN or infinite
-  std::uint32_t degenerate = 0;   ///< dropped: no area or radius
+  std::uint32_t primitives = 0;  ///< in the tree
+  std::uint32_t non_finite = 0;  ///< dropped: NaN or infinite
+  std::uint32_t degenerate = 0;  ///< dropped: no area or radius
   unsigned morton_bits = 0;
-  shared::float4 lo{}, hi{};      ///< bounds [m]; lo > hi if there is no primitive
-  double build_ms = 0.0;          ///< wall time without compilation
+  shared::float4 lo{}, hi{};  ///< bounds [m]; lo > hi if there is no primitive
+  double build_ms = 0.0;      ///< wall time without compilation
 };
 
 /// The program that builds trees, compiled once a context and shared by all of them.
@@ -60,8 +61,7 @@ class Accel {
 
  private:
   void bound_primitives(AccelBuilder& builder, const DeviceScene& scene);
-  Buffer<std::uint32_t> sort_primitives(AccelBuilder& builder, const DeviceScene& scene,
-                                        Buffer<std::uint64_t>& keys);
+  Buffer<std::uint32_t> sort_primitives(AccelBuilder& builder, const DeviceScene& scene, Buffer<std::uint64_t>& keys);
   void emit_tree(AccelBuilder& builder, const DeviceScene& scene, const Buffer<std::uint64_t>& keys,
                  const Buffer<std::uint32_t>& order);
 

@@ -23,8 +23,7 @@ class Buffer {
       : context_(&context), name_(std::move(name)), size_(size), bytes_(std::max<std::size_t>(size, 1) * sizeof(T)) {
     context.account_allocation(bytes_, name_);
     try {
-      cl_guard("allocating " + name_,
-               [this] { handle_ = cl::Buffer(context_->handle(), CL_MEM_READ_WRITE, bytes_); });
+      cl_guard("allocating " + name_, [this] { handle_ = cl::Buffer(context_->handle(), CL_MEM_READ_WRITE, bytes_); });
     } catch (...) {
       context.account_release(bytes_);
       throw;
@@ -53,9 +52,8 @@ class Buffer {
   /// Copies data.size() <= size() elements to the start of the buffer; waits.
   void write(std::span<const T> data) {
     if (data.empty()) return;
-    cl_guard("writing " + name_, [&] {
-      context_->queue().enqueueWriteBuffer(handle_, CL_TRUE, 0, data.size_bytes(), data.data());
-    });
+    cl_guard("writing " + name_,
+             [&] { context_->queue().enqueueWriteBuffer(handle_, CL_TRUE, 0, data.size_bytes(), data.data()); });
   }
 
   /// Copies `count` elements from `first` on to the host; waits for everything queued before.

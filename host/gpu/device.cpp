@@ -123,9 +123,8 @@ DeviceInfo choose_device(const std::string& selector_given) {
         "(apt-get install pocl-opencl-icd), and see what is there with 'hemiray devices'");
   }
   if (selector.empty()) {
-    const auto gpu = std::find_if(devices.begin(), devices.end(), [](const DeviceInfo& d) {
-      return d.usable && d.kind == DeviceKind::gpu;
-    });
+    const auto gpu = std::find_if(devices.begin(), devices.end(),
+                                  [](const DeviceInfo& d) { return d.usable && d.kind == DeviceKind::gpu; });
     if (gpu != devices.end()) return *gpu;
     return *std::find_if(devices.begin(), devices.end(), [](const DeviceInfo& d) { return d.usable; });
   }

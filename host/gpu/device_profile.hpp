@@ -8,11 +8,11 @@
 namespace hemiray {
 
 struct DeviceProfile {
-  std::uint32_t local_size = 64;     ///< work-group size of item-a-thing kernels (compiled in)
-  std::uint32_t chunks = 16;          ///< work-items of chunked kernels (sort, bounds)
-  std::uint32_t chunk_local_size = 1; ///< their work-group size
-  std::uint32_t queue_chunks = 16;   ///< work-items of queue compaction
-  std::uint32_t wave_slots = 65536;  ///< paths in flight
+  std::uint32_t local_size = 64;       ///< work-group size of item-a-thing kernels (compiled in)
+  std::uint32_t chunks = 16;           ///< work-items of chunked kernels (sort, bounds)
+  std::uint32_t chunk_local_size = 1;  ///< their work-group size
+  std::uint32_t queue_chunks = 16;     ///< work-items of queue compaction
+  std::uint32_t wave_slots = 65536;    ///< paths in flight
   /// The driver caches machine code itself, keyed by the source text, and would compile once more for a binary: then
   /// hemiray's program cache is left out.
   bool has_own_cache = false;

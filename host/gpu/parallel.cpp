@@ -26,9 +26,9 @@ void Parallel::sort(Buffer<std::uint64_t>& keys, Buffer<std::uint32_t>& values, 
   Buffer<std::uint32_t> values_other(*context_, "sort values", values.size());
   Buffer<std::uint32_t> counts(*context_, "sort counts", std::size_t{kRadix} * chunks + 1);
   for (unsigned shift = 0; shift < bits; shift += kDigitBits) {
-    launch(*context_, program_.kernel("sort_count_digits"), chunks,
-           arguments(arg("keys", keys), arg("counts", counts), arg("shift", std::uint32_t{shift}),
-                     arg("count", count)));
+    launch(
+        *context_, program_.kernel("sort_count_digits"), chunks,
+        arguments(arg("keys", keys), arg("counts", counts), arg("shift", std::uint32_t{shift}), arg("count", count)));
     exclusive_scan(counts, kRadix * chunks);
     launch(*context_, program_.kernel("sort_scatter"), chunks,
            arguments(arg("keys", keys), arg("values", values), arg("keys_out", keys_other),

@@ -31,8 +31,7 @@ void Profiler::record(const std::string& name, const std::string& category, std:
   pending_.push_back(Pending{stage, category, event});
 }
 
-void Profiler::record_host(const std::string& name, const std::string& category, double start_us,
-                           double duration_us) {
+void Profiler::record_host(const std::string& name, const std::string& category, double start_us, double duration_us) {
   if (keep_spans_) spans_.push_back(TraceSpan{name, category, start_us, duration_us});
 }
 
@@ -44,13 +43,11 @@ void Profiler::collect() {
     if (!keep_spans_) continue;
     if (!has_device_origin_) {
       // The device's clock has its own zero: tie it to the host's by when the first command was queued.
-      const double queued =
-          static_cast<double>(pending.event.getProfilingInfo<CL_PROFILING_COMMAND_QUEUED>()) * 1e-3;
+      const double queued = static_cast<double>(pending.event.getProfilingInfo<CL_PROFILING_COMMAND_QUEUED>()) * 1e-3;
       device_to_host_us_ = now_us() - queued;
       has_device_origin_ = true;
     }
-    spans_.push_back(
-        TraceSpan{stages_[pending.stage].name, pending.category, start + device_to_host_us_, end - start});
+    spans_.push_back(TraceSpan{stages_[pending.stage].name, pending.category, start + device_to_host_us_, end - start});
   }
   pending_.clear();
 }

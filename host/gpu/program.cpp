@@ -1,11 +1,14 @@
 #include "host/gpu/program.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "host/base/atomic_file.hpp"
 #include "host/gpu/cl_error.hpp"
 #include "host/gpu/source_store.hpp"
 
@@ -38,6 +41,31 @@ std::vector<std::string> query_argument_names(const cl::Kernel& kernel) {
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// The first line that names an error, else the first that says anything.
+std::string first_error(const std::string& log) {
+  std::istringstream lines(log);
+  std::string first;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("error") != std::string::npos) return line;
+    if (first.empty()) first = line;
+  }
+  return first.empty() ? "the compiler says nothing" : first;
+}
+
+// A build log has many lines, a message one: the whole log goes beside the cached programs.
+std::string keep_log(const std::string& name, const std::string& log) {
+  try {
+    const std::filesystem::path folder = program_cache_folder();
+    if (folder.empty()) return "";
+    std::filesystem::create_directories(folder);
+    const std::filesystem::path file = folder / (name + "_build.log");
+    write_file_atomically(file, log);
+    return "; the whole log is in " + file.string();
+  } catch (const std::exception&) {
+    return "";  // the error itself matters more
+  }
 }
 
 void dump_source(const std::string& name, const std::string& source) {
@@ -87,8 +115,8 @@ void Program::build_from_source(const std::string& options) {
     handle_.build({context_->device().handle}, options.c_str());
   } catch (const cl::Error& error) {
     const std::string log = handle_.getBuildInfo<CL_PROGRAM_BUILD_LOG>(context_->device().handle);
-    throw DeviceError(fmt::format("compiling kernels '{}' for {} with '{}': {}; the compiler says: {}", name_,
-                                  context_->device().name, options, describe_cl_error(error.err()), log));
+    throw DeviceError(fmt::format("compiling kernels '{}' for {} with '{}': {}; {}{}", name_, context_->device().name,
+                                  options, describe_cl_error(error.err()), first_error(log), keep_log(name_, log)));
   }
   cl_guard("reading the kernels of '" + name_ + "'", [&] { add_kernels(nullptr); });
   if (!context_->profile().has_own_cache) save_to_cache();
@@ -101,10 +129,8 @@ void Program::add_kernels(const std::map<std::string, std::vector<std::string>>*
     Kernel kernel;
     kernel.handle = handle;
     kernel.name = trimmed_name(handle.getInfo<CL_KERNEL_FUNCTION_NAME>());
-    kernel.argument_names =
-        known_names != nullptr ? known_names->at(kernel.name) : query_argument_names(handle);
-    kernel.local_size =
-        handle.getWorkGroupInfo<CL_KERNEL_COMPILE_WORK_GROUP_SIZE>(context_->device().handle)[0];
+    kernel.argument_names = known_names != nullptr ? known_names->at(kernel.name) : query_argument_names(handle);
+    kernel.local_size = handle.getWorkGroupInfo<CL_KERNEL_COMPILE_WORK_GROUP_SIZE>(context_->device().handle)[0];
     kernels_.emplace(kernel.name, std::move(kernel));
   }
 }
@@ -150,8 +176,8 @@ void launch(Context& context, Kernel& kernel, std::uint64_t items, const Argumen
   cl_guard("launching kernel " + kernel.name, [&] {
     cl::Event event;
     const double start_us = context.profiler().now_us();
-    context.queue().enqueueNDRangeKernel(kernel.handle, cl::NullRange, cl::NDRange(global), cl::NDRange(local),
-                                         nullptr, &event);
+    context.queue().enqueueNDRangeKernel(kernel.handle, cl::NullRange, cl::NDRange(global), cl::NDRange(local), nullptr,
+                                         &event);
     if (!kernel.launched) {
       const double took_us = context.profiler().now_us() - start_us;
       context.account_first_launch(took_us * 1e-3);

@@ -55,7 +55,7 @@ struct ProgramOptions {
 /// Kernels from one or more files of kernels/, compiled for the context's device, or taken from the cache.
 class Program {
  public:
-  /// Throws DeviceError with the build log if the kernels do not compile.
+  /// Throws DeviceError with the build log's first error, and where the whole log is, if the kernels do not compile.
   Program(Context& context, std::string name, const std::vector<std::string>& files, const ProgramOptions& options);
 
   /// The kernel of that name; throws std::logic_error if there is none.

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -14,7 +15,7 @@
 namespace hemiray {
 namespace {
 
-// Layout of an entry: this line, SHA-256 of the rest (hex), newline, JSON of argument names, newline, binary.
+// Layout of an entry: this line, SHA-256 of key and rest (hex), newline, JSON of argument names, newline, binary.
 constexpr std::string_view kMagic = "hemiray program 1\n";
 constexpr std::size_t kHashLength = 64;
 
@@ -27,12 +28,15 @@ std::string sha256(std::string_view text) {
   return hex;
 }
 
+// Ties an entry to its key, so that a renamed one is refused.
+std::string entry_hash(const std::string& key, std::string_view body) { return sha256(key + std::string(body)) + '\n'; }
+
 }  // namespace
 
 std::string program_key(const std::string& source, const std::string& options, const DeviceInfo& device) {
   std::string text;
-  for (const std::string* part : {&source, &options, &device.name, &device.version, &device.driver, &device.platform,
-                                  &device.platform_version}) {
+  for (const std::string* part :
+       {&source, &options, &device.name, &device.version, &device.driver, &device.platform, &device.platform_version}) {
     text += std::to_string(part->size()) + ":" + *part;  // lengths keep ("ab","c") apart from ("a","bc")
   }
   return sha256(text);
@@ -58,7 +62,7 @@ std::optional<CompiledProgram> load_program(const std::filesystem::path& folder,
   const std::size_t body_start = kMagic.size() + kHashLength + 1;
   if (view.size() <= body_start || view.substr(0, kMagic.size()) != kMagic) return std::nullopt;
   const std::string_view body = view.substr(body_start);
-  if (view.substr(kMagic.size(), kHashLength) != sha256(body)) return std::nullopt;
+  if (view.substr(kMagic.size(), kHashLength + 1) != entry_hash(key, body)) return std::nullopt;
   const std::size_t newline = body.find('\n');
   if (newline == std::string_view::npos) return std::nullopt;
   CompiledProgram program;
@@ -78,18 +82,20 @@ bool store_program(const std::filesystem::path& folder, const std::string& key, 
   std::filesystem::create_directories(folder, error);
   std::string body = nlohmann::json(program.argument_names).dump() + "\n";
   body.append(program.binary.begin(), program.binary.end());
-  const std::filesystem::path temporary = folder / fmt::format("{}.{}.tmp", key, getpid());
+  static std::atomic<unsigned> writes = 0;  // threads of one process race as well
+  const std::filesystem::path temporary = folder / fmt::format("{}.{}.{}.tmp", key, getpid(), writes++);
   {
     std::ofstream file(temporary, std::ios::binary);
-    file << kMagic << sha256(body) << '\n' << body;
+    file << kMagic << entry_hash(key, body) << body;
     if (!file.flush()) {
       std::filesystem::remove(temporary, error);
       return false;
     }
   }
   std::filesystem::rename(temporary, folder / (key + ".bin"), error);
-  if (error) std::filesystem::remove(temporary, error);
-  return !error;
+  if (!error) return true;
+  std::filesystem::remove(temporary, error);
+  return false;
 }
 
 }  // namespace hemiray

@@ -24,8 +24,7 @@ std::uint64_t scene_bytes(const FlatScene& flat, std::uint32_t features) {
          if_on(HR_FEATURE_SMOOTH_NORMALS, bytes_of(flat.normals)) +
          if_on(HR_FEATURE_VERTEX_COLORS, bytes_of(flat.colors)) + if_on(HR_FEATURE_PLANES, bytes_of(flat.planes)) +
          if_on(HR_FEATURE_LIGHTS, bytes_of(flat.lights)) + if_on(HR_FEATURE_EMITTERS, bytes_of(flat.emitters)) +
-         if_on(HR_FEATURE_TEXTURES,
-               bytes_of(flat.uvs) + bytes_of(flat.textures) + bytes_of(flat.texels) + kSrgbTable);
+         if_on(HR_FEATURE_TEXTURES, bytes_of(flat.uvs) + bytes_of(flat.textures) + bytes_of(flat.texels) + kSrgbTable);
 }
 
 // One path: its sums, and in the wavefront engine the whole state, two queues and the next stage.
@@ -34,10 +33,10 @@ std::uint64_t slot_bytes(std::uint32_t features, EngineKind engine, int depth) {
   using shared::uint;
   using shared::uint4;
   std::uint64_t bytes = engine == EngineKind::wavefront ? 3 * sizeof(std::uint32_t) : sizeof(shared::uint2);
-#define HR_COUNT_FIELD(group, feature, type, name)                                                       \
-  if (has_feature(features, HR_FEATURE_##feature) &&                                                     \
-      (engine == EngineKind::wavefront || HR_GROUP_##group == HR_GROUP_SUMS)) {                          \
-    bytes += sizeof(type);                                                                               \
+#define HR_COUNT_FIELD(group, feature, type, name)                              \
+  if (has_feature(features, HR_FEATURE_##feature) &&                            \
+      (engine == EngineKind::wavefront || HR_GROUP_##group == HR_GROUP_SUMS)) { \
+    bytes += sizeof(type);                                                      \
   }
   HR_PATH_STATE(HR_COUNT_FIELD)
 #undef HR_COUNT_FIELD

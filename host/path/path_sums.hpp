@@ -15,8 +15,7 @@ struct PathSums {
   Buffer<shared::real4> reflection;  ///< empty where the feature is off
   Buffer<shared::real4> refraction;
 
-  PathSums(Context& context, std::uint32_t features, std::uint32_t slots)
-      : direct(context, "path_sum_direct", slots) {
+  PathSums(Context& context, std::uint32_t features, std::uint32_t slots) : direct(context, "path_sum_direct", slots) {
     if (has_feature(features, HR_FEATURE_REFLECTION)) reflection = {context, "path_sum_reflection", slots};
     if (has_feature(features, HR_FEATURE_REFRACTION)) refraction = {context, "path_sum_refraction", slots};
   }

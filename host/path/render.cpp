@@ -15,9 +15,9 @@
 namespace hemiray {
 namespace {
 
-constexpr int kMaxSide = 32768;    // [pixels]
+constexpr int kMaxSide = 32768;  // [pixels]
 constexpr int kMaxSamples = 1 << 20;
-constexpr int kMaxDepth = 64;      // a pending branch a bounce and slot is kept
+constexpr int kMaxDepth = 64;  // a pending branch a bounce and slot is kept
 constexpr std::uint32_t kSeedFactor = 0x9E3779B9U;
 
 double now_ms() {
@@ -108,10 +108,11 @@ RenderResult render_scene(Context& context, const Scene& scene, const RenderOpti
   statistics.predicted_device_bytes =
       predict_render_bytes(flat, statistics.features, options.engine, width, height, depth, context.profile());
   if (statistics.predicted_device_bytes > context.device().global_bytes) {
-    throw DeviceError(fmt::format("device memory: the scene at {} x {} needs {}, {} has {}; take a smaller --size or "
-                                  "another device",
-                                  width, height, format_bytes(statistics.predicted_device_bytes),
-                                  context.device().name, format_bytes(context.device().global_bytes)));
+    throw DeviceError(
+        fmt::format("device memory: the scene at {} x {} needs {}, {} has {}; take a smaller --size or "
+                    "another device",
+                    width, height, format_bytes(statistics.predicted_device_bytes), context.device().name,
+                    format_bytes(context.device().global_bytes)));
   }
   const DeviceScene device_scene(context, flat, statistics.features);
   statistics.upload_ms = now_ms() - start;
@@ -129,8 +130,8 @@ RenderResult render_scene(Context& context, const Scene& scene, const RenderOpti
       make_engine(options.engine, context, parallel, statistics.features, options.strict, slots, depth);
   const Arguments scene_arguments =
       arguments(device_scene.shading_arguments(), accel.tree_arguments(), film.aov_arguments());
-  trace_passes(context, *engine, film, make_params(scene, device_scene, options, width, height, depth),
-               scene_arguments, slots, options, statistics);
+  trace_passes(context, *engine, film, make_params(scene, device_scene, options, width, height, depth), scene_arguments,
+               slots, options, statistics);
 
   result.image = film.develop(statistics.passes);
   context.finish();

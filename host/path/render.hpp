@@ -43,10 +43,10 @@ struct RenderStatistics {
   RayCounts rays;
   int passes = 0;
   bool interrupted = false;
-  double upload_ms = 0.0;  ///< flattening the scene and copying it to the device
-  double trace_ms = 0.0;   ///< wall time of all passes without compilation
-  double launch_compile_ms = 0.0;     ///< spent by the driver on kernels at their first launch
-  std::size_t kernels_compiled = 0;   ///< of these, how many it really compiled
+  double upload_ms = 0.0;            ///< flattening the scene and copying it to the device
+  double trace_ms = 0.0;             ///< wall time of all passes without compilation
+  double launch_compile_ms = 0.0;    ///< spent by the driver on kernels at their first launch
+  std::size_t kernels_compiled = 0;  ///< of these, how many it really compiled
   std::vector<ProgramStatistics> programs;
   std::vector<StageTime> stages;
   std::uint64_t predicted_device_bytes = 0;

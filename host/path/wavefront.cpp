@@ -36,9 +36,9 @@ WavefrontEngine::StateArrays::StateArrays(Context& context, std::uint32_t featur
   using shared::real4;
   using shared::uint;
   using shared::uint4;
-#define HR_ADD_FIELD(group, feature, type, name)                                            \
+#define HR_ADD_FIELD(group, feature, type, name)                                          \
   if (HR_GROUP_##group != HR_GROUP_SUMS && has_feature(features, HR_FEATURE_##feature)) { \
-    add(context, "path_" #name, type{}, slots);                                             \
+    add(context, "path_" #name, type{}, slots);                                           \
   }
   HR_PATH_STATE(HR_ADD_FIELD)
 #undef HR_ADD_FIELD
@@ -58,8 +58,7 @@ WavefrontEngine::WavefrontEngine(Context& context, Parallel& parallel, std::uint
       next_stage_(context, "next_stage", slots),
       queue_(context, "queue", slots),
       queue_other_(context, "queue", slots),
-      counts_(context, "queue counts", std::size_t{HR_STAGE_done} * context.profile().queue_chunks + 1) {
-}
+      counts_(context, "queue counts", std::size_t{HR_STAGE_done} * context.profile().queue_chunks + 1) {}
 
 std::vector<std::uint32_t> WavefrontEngine::compact_queue(std::uint32_t live, bool is_identity) {
   const std::uint32_t chunks = context_->profile().queue_chunks;

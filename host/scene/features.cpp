@@ -5,30 +5,18 @@
 namespace hemiray {
 namespace {
 
-constexpr std::array<const char*, HR_FEATURE_COUNT> kNames = {"triangles",
-                                                              "spheres",
-                                                              "planes",
-                                                              "smooth-normals",
-                                                              "textures",
-                                                              "normal-maps",
-                                                              "vertex-colors",
-                                                              "metallic-roughness",
-                                                              "specular",
-                                                              "ambient",
-                                                              "emission",
-                                                              "lights",
-                                                              "point-lights",
-                                                              "directional-lights",
-                                                              "spot-lights",
-                                                              "area-lights",
-                                                              "emitters",
-                                                              "secondary",
-                                                              "reflection",
-                                                              "refraction",
-                                                              "branching",
-                                                              "fresnel",
-                                                              "orthographic",
-                                                              "phong-shading"};
+constexpr std::array<const char*, HR_FEATURE_COUNT> kNames = {"triangles",     "spheres",
+                                                              "planes",        "smooth-normals",
+                                                              "textures",      "normal-maps",
+                                                              "vertex-colors", "metallic-roughness",
+                                                              "specular",      "ambient",
+                                                              "emission",      "lights",
+                                                              "point-lights",  "directional-lights",
+                                                              "spot-lights",   "area-lights",
+                                                              "emitters",      "secondary",
+                                                              "reflection",    "refraction",
+                                                              "branching",     "fresnel",
+                                                              "orthographic",  "phong-shading"};
 
 bool is_positive(const shared::float4& v) { return v.x > 0.0F || v.y > 0.0F || v.z > 0.0F; }
 

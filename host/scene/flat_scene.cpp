@@ -13,9 +13,7 @@ constexpr std::size_t kMaxElements = std::size_t{1} << 30U;
 
 shared::float4 to_float4(Vec3 v, float w) { return {v.x, v.y, v.z, w}; }
 
-std::uint32_t texture_or_none(int index) {
-  return index == kNone ? HR_NO_TEXTURE : static_cast<std::uint32_t>(index);
-}
+std::uint32_t texture_or_none(int index) { return index == kNone ? HR_NO_TEXTURE : static_cast<std::uint32_t>(index); }
 
 shared::Material flatten_material(const Material& m) {
   shared::Material flat{};

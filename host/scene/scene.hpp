@@ -36,15 +36,15 @@ struct Texture {
 /// perceptual roughness).
 struct Material {
   std::string name;
-  Vec3 kd{0.5F};             ///< diffuse reflectance (base colour if metallic_roughness) [0,1]
-  std::optional<Vec3> ka;    ///< reflectance to the ambient term; kd where absent
-  Vec3 ks{0.0F};             ///< specular (glossy highlight) reflectance
-  float shininess = 32.0F;   ///< Blinn-Phong exponent, >= 0
-  Vec3 kr{0.0F};             ///< mirror reflection weight
-  Vec3 kt{0.0F};             ///< transmission weight
-  float ior = 1.5F;          ///< index of refraction on the inside (back) of the surface, > 0
-  bool fresnel = true;       ///< where kt > 0: kr is multiplied by R, kt by 1 - R
-  Vec3 emission{0.0F};       ///< radiance leaving the front [W/m^2/sr]
+  Vec3 kd{0.5F};            ///< diffuse reflectance (base colour if metallic_roughness) [0,1]
+  std::optional<Vec3> ka;   ///< reflectance to the ambient term; kd where absent
+  Vec3 ks{0.0F};            ///< specular (glossy highlight) reflectance
+  float shininess = 32.0F;  ///< Blinn-Phong exponent, >= 0
+  Vec3 kr{0.0F};            ///< mirror reflection weight
+  Vec3 kt{0.0F};            ///< transmission weight
+  float ior = 1.5F;         ///< index of refraction on the inside (back) of the surface, > 0
+  bool fresnel = true;      ///< where kt > 0: kr is multiplied by R, kt by 1 - R
+  Vec3 emission{0.0F};      ///< radiance leaving the front [W/m^2/sr]
   bool metallic_roughness = false;
   float metallic = 0.0F;
   float roughness = 1.0F;
@@ -65,7 +65,8 @@ struct Mesh {
   std::vector<Vec3> colors;  ///< linear, multiply kd
   std::vector<UVec3> triangles;
   std::vector<std::uint32_t> triangle_materials;
-  bool rectangle = false;  ///< two triangles (0,1,2),(0,2,3) that form a parallelogram: sampled as n x m array if emissive
+  bool rectangle =
+      false;  ///< two triangles (0,1,2),(0,2,3) that form a parallelogram: sampled as n x m array if emissive
 };
 
 /// A mesh placed in the world. Several objects may share one mesh.
@@ -98,11 +99,11 @@ enum class LightKind { point, directional, spot, area };
 struct Light {
   std::string name;
   LightKind kind = LightKind::point;
-  DVec3 position{0.0};                ///< point, spot: place; area: corner [m]
-  DVec3 direction{0.0, -1.0, 0.0};    ///< directional, spot: the way the light travels, unit length
-  Vec3 intensity{1.0F};               ///< point, spot [W/sr]; directional [W/m^2]; area [W/m^2/sr]
-  double inner_angle_deg = 0.0;       ///< spot: half angle of full intensity
-  double outer_angle_deg = 45.0;      ///< spot: half angle at which it is zero
+  DVec3 position{0.0};              ///< point, spot: place; area: corner [m]
+  DVec3 direction{0.0, -1.0, 0.0};  ///< directional, spot: the way the light travels, unit length
+  Vec3 intensity{1.0F};             ///< point, spot [W/sr]; directional [W/m^2]; area [W/m^2/sr]
+  double inner_angle_deg = 0.0;     ///< spot: half angle of full intensity
+  double outer_angle_deg = 45.0;    ///< spot: half angle at which it is zero
   DVec3 edge_u{1.0, 0.0, 0.0};
   DVec3 edge_v{0.0, 0.0, 1.0};
   int samples_u = 4;
@@ -116,10 +117,10 @@ enum class CameraKind { perspective, orthographic };
 /// The camera looks along -z of its own frame, y up.
 struct Camera {
   CameraKind kind = CameraKind::perspective;
-  DMat4 to_world{1.0};        ///< rigid
-  double fov_y_deg = 45.0;    ///< perspective: full vertical field of view, in (0, 180)
-  double height_m = 2.0;      ///< orthographic: full height of the image in the world
-  int width = 512;            ///< default image size [pixels]
+  DMat4 to_world{1.0};      ///< rigid
+  double fov_y_deg = 45.0;  ///< perspective: full vertical field of view, in (0, 180)
+  double height_m = 2.0;    ///< orthographic: full height of the image in the world
+  int width = 512;          ///< default image size [pixels]
   int height = 512;
 };
 
@@ -133,7 +134,7 @@ struct Scene {
   Vec3 background{0.0F};  ///< radiance of a miss [W/m^2/sr]
   Vec3 ambient{0.0F};     ///< La [W/m^2/sr]
   Shading shading = Shading::physical;
-  int depth = 8;          ///< default number of specular bounces
+  int depth = 8;             ///< default number of specular bounces
   int emitter_samples = 16;  ///< shadow rays per shading point to all emissive meshes that are not rectangles
   std::vector<Material> materials;
   std::vector<Texture> textures;
@@ -142,10 +143,10 @@ struct Scene {
   std::vector<Sphere> spheres;
   std::vector<Plane> planes;
   std::vector<Light> lights;
-  bool has_camera = false;  ///< false: finish_scene() frames the bounds
-  bool has_lights = false;  ///< false: finish_scene() adds a light if nothing emits
+  bool has_camera = false;              ///< false: finish_scene() frames the bounds
+  bool has_lights = false;              ///< false: finish_scene() adds a light if nothing emits
   std::uint64_t dropped_triangles = 0;  ///< non-finite or degenerate, dropped by a loader
-  std::vector<std::string> notes;  ///< defaults taken and unsupported features, one line each, shown to the user
+  std::vector<std::string> notes;       ///< defaults taken and unsupported features, one line each, shown to the user
 };
 
 }  // namespace hemiray

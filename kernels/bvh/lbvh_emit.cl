@@ -9,14 +9,14 @@
 #define HR_NO_PARENT 0xffffffffu
 
 // Length of the common prefix of keys i and j; equal keys are told apart by their indices; -1 outside the array.
-static inline int common_prefix(global const ulong* restrict keys, int n, int i, int j) {
+static inline int common_prefix(global const ulong* keys, int n, int i, int j) {
   if (j < 0 || j >= n) return -1;
   const ulong differ = keys[i] ^ keys[j];
   return differ != 0 ? (int)clz(differ) : 64 + (int)clz((uint)(i ^ j));
 }
 
-static inline void link_child(global BvhNode* restrict nodes, global uint* restrict node_parents,
-                       global uint* restrict leaf_parents, int node, int child, bool is_leaf, uint side) {
+static inline void link_child(global BvhNode* nodes, global uint* node_parents, global uint* leaf_parents, int node,
+                              int child, bool is_leaf, uint side) {
   const uint reference = (uint)(is_leaf ? ~child : child);
   if (side == 0) {
     nodes[node].child.x = reference;

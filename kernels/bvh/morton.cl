@@ -4,7 +4,7 @@
 
 static inline uint bvh_chunk_begin(uint n, uint g, uint groups) { return (uint)((ulong)n * g / groups); }
 
-#define HR_GEOMETRY_PARAMETERS                                     \
+#define HR_GEOMETRY_PARAMETERS                                                    \
   global const float *restrict positions, global const uint4 *restrict triangles, \
       global const Sphere *restrict spheres, const uint triangle_count, const uint primitive_count
 

@@ -1,4 +1,5 @@
-// Boxes bottom-up: each leaf climbs, and at every inner node the second child to arrive goes on (Karras 2012, section 4).
+// Boxes bottom-up: each leaf climbs, and at every inner node the second child to arrive goes on (Karras 2012, section
+// 4).
 #include "lib/primitive.h"
 
 #ifndef HR_LOCAL_SIZE
@@ -11,8 +12,7 @@
 // a fence on both sides and volatile access, which OpenCL 1.2 devices honour.
 #if defined(__opencl_c_atomic_order_acq_rel) && defined(__opencl_c_atomic_scope_device)
 static inline uint arrive(volatile global uint* flag) {
-  return atomic_fetch_add_explicit((volatile global atomic_uint*)flag, 1u, memory_order_acq_rel,
-                                   memory_scope_device);
+  return atomic_fetch_add_explicit((volatile global atomic_uint*)flag, 1u, memory_order_acq_rel, memory_scope_device);
 }
 #else
 static inline uint arrive(volatile global uint* flag) {

@@ -10,11 +10,10 @@
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void film_accumulate(
     global const real4* restrict path_sum_direct,
     HR_IF_REFLECTION(global const real4* restrict path_sum_reflection HR_COMMA)
-    HR_IF_REFRACTION(global const real4* restrict path_sum_refraction HR_COMMA)
-    global real4* restrict film_direct,
+        HR_IF_REFRACTION(global const real4* restrict path_sum_refraction HR_COMMA) global real4* restrict film_direct,
     HR_IF_REFLECTION(global real4* restrict film_reflection HR_COMMA)
-    HR_IF_REFRACTION(global real4* restrict film_refraction HR_COMMA)
-    const uint first_pixel, const uint count) {
+        HR_IF_REFRACTION(global real4* restrict film_refraction HR_COMMA) const uint first_pixel,
+    const uint count) {
   const uint slot = (uint)get_global_id(0);
   if (slot >= count) return;
   const uint pixel = first_pixel + slot;

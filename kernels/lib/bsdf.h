@@ -11,8 +11,8 @@
 #define HR_INV_8PI REAL(0.0397887358)
 
 // Physical shading: BRDF times cosine, kd/pi + ks (n+8)/(8 pi) (n.h)^n (normalised Blinn-Phong; Akenine-Moeller et al.,
-// Real-Time Rendering, 3rd ed., 7.6). Phong shading: the source's kd max(n.l,0) + ks max(n.h,0)^n; the cosine is clamped
-// before the power (the source clamps after it, which lights the back for even exponents).
+// Real-Time Rendering, 3rd ed., 7.6). Phong shading: the source's kd max(n.l,0) + ks max(n.h,0)^n; the cosine is
+// clamped before the power (the source clamps after it, which lights the back for even exponents).
 static inline real3 bsdf_reflect_light(real3 kd, real3 ks, real shininess, real3 n, real3 to_light, real3 to_viewer) {
   const real cosine = max(dot3(n, to_light), REAL(0.0));
   real lobe = 0;

@@ -28,14 +28,15 @@ typedef struct Hit {
   uint primitive;
 } Hit;
 
-static inline real safe_reciprocal(real d) { return 1 / (fabs(d) < HR_TINY_DIRECTION ? copysign(HR_TINY_DIRECTION, d) : d); }
+static inline real safe_reciprocal(real d) {
+  return 1 / (fabs(d) < HR_TINY_DIRECTION ? copysign(HR_TINY_DIRECTION, d) : d);
+}
 
 static inline Ray make_ray(real3 origin, real3 direction, real t_min, real t_max) {
   Ray r;
   r.origin = origin;
   r.direction = direction;
-  r.inverse =
-      (real3)(safe_reciprocal(direction.x), safe_reciprocal(direction.y), safe_reciprocal(direction.z));
+  r.inverse = (real3)(safe_reciprocal(direction.x), safe_reciprocal(direction.y), safe_reciprocal(direction.z));
   r.t_min = t_min;
   r.t_max = t_max;
   const real3 a = fabs(direction);
@@ -69,8 +70,8 @@ static inline int2 intersect_boxes(const Ray* ray, const BvhNode* node, real t_f
   return *t_near <= t_exit;
 }
 
-// Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". Products are rounded alike on both sides of a shared
-// edge, so an edge function's sign is right or zero, and zero counts as inside: no ray slips between neighbours.
+// Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". Products are rounded alike on both sides of a
+// shared edge, so an edge function's sign is right or zero, and zero counts as inside: no ray slips between neighbours.
 static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c, real* t, real* u, real* v) {
 #pragma OPENCL FP_CONTRACT OFF
   const real3 pa = a - ray->origin;
@@ -94,7 +95,8 @@ static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c,
 }
 
 // Smaller root beyond t_min. The discriminant is taken from the vector to the chord's middle, and the roots from
-// q = b + sign(b) sqrt(disc), so that nothing cancels for far or small spheres (Haines et al., Ray Tracing Gems, ch. 7).
+// q = b + sign(b) sqrt(disc), so that nothing cancels for far or small spheres (Haines et al., Ray Tracing Gems, ch.
+// 7).
 static inline bool intersect_sphere(const Ray* ray, real3 center, real radius, real* t) {
   const real3 oc = ray->origin - center;
   const real length2 = dot3(ray->direction, ray->direction);

@@ -69,7 +69,7 @@ static inline uint find_emitter(const SceneView* view, real u) {
 // A point on the emissive meshes and spheres, chosen by area and emission; sample k of n takes the k-th part of the
 // cumulative weights.
 static inline bool sample_emitters(const SceneView* view, const Light* light, uint k, real4 xi, real3 position,
-                            LightSample* s) {
+                                   LightSample* s) {
   const real n = (real)light->sample_count;
   const Emitter emitter = view->emitters[find_emitter(view, ((real)k + xi.x) / n)];
   real3 point, normal;
@@ -103,7 +103,7 @@ static inline bool sample_emitters(const SceneView* view, const Light* light, ui
 
 // Sample k of `light` as seen from `position`. False, or zero irradiance, if it can send nothing.
 static inline bool sample_light(const SceneView* view, const Light* light, uint k, uint4 rng_key, real3 position,
-                         LightSample* s) {
+                                LightSample* s) {
   s->first_primitive = 1;
   s->last_primitive = 0;
   real4 xi = (real4)(REAL(0.5));

@@ -27,8 +27,8 @@ static inline float strict_exp2(float x) {
   const float whole = floor(x + 0.5f);
   const float r = (x - whole) * 0.693147181f;
   const float series =
-      1.0f +
-      r * (1.0f + r * (0.5f + r * (1.0f / 6 + r * (1.0f / 24 + r * (1.0f / 120 + r * (1.0f / 720 + r * (1.0f / 5040)))))));
+      1.0f + r * (1.0f + r * (0.5f + r * (1.0f / 6 +
+                                          r * (1.0f / 24 + r * (1.0f / 120 + r * (1.0f / 720 + r * (1.0f / 5040)))))));
   const int exponent = min((int)whole, 127);
   return series * as_float((exponent + 127) << 23);
 }
@@ -44,13 +44,14 @@ static inline real cosine_power(real x, real y) {
 #endif
 }
 
-// sin and cos of 2 pi u for u in [0, 1]. Taylor series on an octant, first dropped term below 2^-26.
+// sin and cos of 2 pi u for u in [0, 1]. Taylor series on an octant, first dropped term below 2^-25.
 static inline real2 sincos_turn(real u) {
 #ifdef HR_STRICT
   const real quarter = floor(4 * u + REAL(0.5));
   const real a = (4 * u - quarter) * REAL(1.57079633);  // in [-pi/4, pi/4]
   const real a2 = a * a;
-  const real s = a * (1 + a2 * (-REAL(1.0) / 6 + a2 * (REAL(1.0) / 120 - a2 * (REAL(1.0) / 5040))));
+  const real s =
+      a * (1 + a2 * (-REAL(1.0) / 6 + a2 * (REAL(1.0) / 120 + a2 * (-REAL(1.0) / 5040 + a2 * (REAL(1.0) / 362880)))));
   const real c = 1 + a2 * (-REAL(0.5) + a2 * (REAL(1.0) / 24 + a2 * (-REAL(1.0) / 720 + a2 * (REAL(1.0) / 40320))));
   const int q = (int)quarter & 3;
   return q == 0 ? (real2)(s, c) : (q == 1 ? (real2)(c, -s) : (q == 2 ? (real2)(-s, -c) : (real2)(-c, s)));

@@ -23,7 +23,7 @@ static inline float4 vertex_at(global const float* positions, uint i) {
 }
 
 static inline BvhLeaf load_primitive(global const float* positions, global const uint4* triangles,
-                              global const Sphere* spheres, uint triangle_count, uint primitive) {
+                                     global const Sphere* spheres, uint triangle_count, uint primitive) {
   BvhLeaf leaf;
   if (primitive < triangle_count) {
     const uint4 i = triangles[primitive];
@@ -57,6 +57,7 @@ static inline Box primitive_box(BvhLeaf leaf, bool is_triangle) {
 }
 
 static inline uint primitive_status(BvhLeaf leaf, bool is_triangle) {
+#pragma OPENCL FP_CONTRACT OFF
   const Box box = primitive_box(leaf, is_triangle);
   if (!is_finite4(leaf.a) || !is_finite4(leaf.b) || !is_finite4(leaf.c) || !is_finite4(box.lo + box.hi)) {
     return HR_PRIMITIVE_NON_FINITE;
@@ -66,10 +67,14 @@ static inline uint primitive_status(BvhLeaf leaf, bool is_triangle) {
   const real3 e1 = (real3)(leaf.b.x, leaf.b.y, leaf.b.z) - a;
   const real3 e2 = (real3)(leaf.c.x, leaf.c.y, leaf.c.z) - a;
   const real3 largest = max(fabs(e1), fabs(e2));
-  const real scale = max_component(largest);
+  // Scaled by a power of two, so without rounding: the area of a tiny triangle must not underflow, that of a line must
+  // be zero.
+  const real scale = as_float(as_uint(max_component(largest)) & 0x7f800000u);
   if (!(scale > 0)) return HR_PRIMITIVE_DEGENERATE;
-  const real3 n = cross3(e1 / scale, e2 / scale);  // scaled: the area of a tiny triangle must not underflow
-  return dot3(n, n) > 0 ? HR_PRIMITIVE_VALID : HR_PRIMITIVE_DEGENERATE;
+  const real3 f1 = e1 / scale, f2 = e2 / scale;
+  const real3 left = (real3)(f1.y * f2.z, f1.z * f2.x, f1.x * f2.y);
+  const real3 right = (real3)(f1.z * f2.y, f1.x * f2.z, f1.y * f2.x);
+  return left.x != right.x || left.y != right.y || left.z != right.z ? HR_PRIMITIVE_VALID : HR_PRIMITIVE_DEGENERATE;
 }
 
 #endif

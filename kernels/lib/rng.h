@@ -26,12 +26,14 @@ static inline uint4 rng_hash(uint4 v) {
 // 24 random bits as a real in [0, 1), exact in single precision.
 static inline real rng_unit(uint bits) { return (real)(bits >> 8) * REAL(5.9604644775390625e-8); }
 
-static inline uint rng_reverse_bits(uint v) {
-  v = (v >> 16) | (v << 16);
-  v = ((v >> 8) & 0x00ff00ffu) | ((v & 0x00ff00ffu) << 8);
-  v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
-  v = ((v >> 2) & 0x33333333u) | ((v & 0x33333333u) << 2);
-  return ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
+// First dimension of Sobol's sequence: van der Corput's, the bits of the index reversed. (A loop: some simulators lack
+// the instruction that compilers make of the shift-and-mask form.)
+static inline uint rng_sobol1(uint index) {
+  uint result = 0;
+  for (uint v = 1u << 31; index != 0; index >>= 1, v >>= 1) {
+    if (index & 1u) result |= v;
+  }
+  return result;
 }
 
 // Second dimension of Sobol's sequence (Kollig and Keller 2002).
@@ -48,7 +50,7 @@ static inline uint rng_sobol2(uint index) {
 static inline real2 rng_pixel_offset(uint pixel, uint sample, uint samples, uint seed_key) {
   if (samples == 1) return (real2)(REAL(0.5), REAL(0.5));
   const uint4 scramble = rng_hash((uint4)(pixel, 0, 0, HR_DIMENSION_PIXEL ^ seed_key));
-  return (real2)(rng_unit(rng_reverse_bits(sample) ^ scramble.x), rng_unit(rng_sobol2(sample) ^ scramble.y));
+  return (real2)(rng_unit(rng_sobol1(sample) ^ scramble.x), rng_unit(rng_sobol2(sample) ^ scramble.y));
 }
 
 #endif

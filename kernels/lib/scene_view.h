@@ -21,13 +21,13 @@ typedef struct SceneView {
 #define HR_SCENE_PARAMETERS HR_SCENE_BUFFERS(HR_VIEW_PARAMETER)
 
 // In a kernel's body: declares `view`.
-#define HR_MAKE_SCENE_VIEW(params)              \
-  SceneView view = {0};                         \
-  HR_SCENE_BUFFERS(HR_VIEW_ASSIGN)              \
+#define HR_MAKE_SCENE_VIEW(params)               \
+  SceneView view = {0};                          \
+  HR_SCENE_BUFFERS(HR_VIEW_ASSIGN)               \
   view.triangle_count = (params).triangle_count; \
-  view.sphere_count = (params).sphere_count;    \
-  view.plane_count = (params).plane_count;      \
-  view.light_count = (params).light_count;      \
+  view.sphere_count = (params).sphere_count;     \
+  view.plane_count = (params).plane_count;       \
+  view.light_count = (params).light_count;       \
   view.emitter_count = (params).emitter_count;
 
 #endif

@@ -59,7 +59,7 @@ static inline real3 interpolate_normal(const SceneView* view, uint4 i, real u, r
 // Normal map: the tangent follows the triangle's u, made orthogonal to n; the bitangent follows -v (glTF's +Y is up in
 // the image, our v runs down).
 static inline real3 perturb_normal(const SceneView* view, const TriangleGeometry* g, real2 uv, uint texture, real scale,
-                            real3 n) {
+                                   real3 n) {
   const real2 uva = load_uv(view, g->indices.x);
   const real2 d1 = load_uv(view, g->indices.y) - uva, d2 = load_uv(view, g->indices.z) - uva;
   const real det = d1.x * d2.y - d1.y * d2.x;

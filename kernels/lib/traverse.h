@@ -37,7 +37,7 @@ static inline bool intersect_leaf(const SceneView* view, const Ray* ray, uint in
 }
 
 static inline bool intersect_plane_primitive(const SceneView* view, const Ray* ray, uint index, const Skip* skip,
-                                      Hit* candidate) {
+                                             Hit* candidate) {
   const Plane plane = view->planes[index];
   candidate->primitive = view->triangle_count + view->sphere_count + index;
   if (is_skipped(skip, candidate->primitive)) return false;

@@ -1,5 +1,5 @@
-// Stage: one shadow ray; an unblocked one adds its light, then the next light sample is prepared. Anything blocks, glass
-// too: that is Whitted's method, which does not know the refracted way to the light.
+// Stage: one shadow ray; an unblocked one adds its light, then the next light sample is prepared. Anything blocks,
+// glass too: that is Whitted's method, which does not know the refracted way to the light.
 #ifndef HR_PATH_INTERSECT_SHADOW_H
 #define HR_PATH_INTERSECT_SHADOW_H
 

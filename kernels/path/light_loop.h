@@ -31,9 +31,8 @@ static inline uint next_light_sample(const PathContext* context, PathState* s) {
       s->shadow_cursor.x++;
       s->shadow_cursor.y = 0;
     }
-    const uint4 key =
-        (uint4)(path_pixel(context), context->params.sample, s->control.y,
-                (HR_DIMENSION_FIRST_LIGHT + light.first_sample + k) ^ context->params.seed_key);
+    const uint4 key = (uint4)(path_pixel(context), context->params.sample, s->control.y,
+                              (HR_DIMENSION_FIRST_LIGHT + light.first_sample + k) ^ context->params.seed_key);
     LightSample sample;
     if (!sample_light(&context->view, &light, k, key, position, &sample)) continue;
     if (!(dot3(n, sample.direction) > 0)) continue;  // the surface itself is in the way

@@ -6,14 +6,15 @@
 #define HR_LOCAL_SIZE 64
 #endif
 
-#define HR_STAGE_CASE(feature, name, loads, stores)                        \
-  HR_IF_##feature(case HR_STAGE_##name: next = stage_##name(&context, &state); break;)
+#define HR_STAGE_CASE(feature, name, loads, stores) \
+  HR_IF_##feature(case HR_STAGE_##name : next = stage_##name(&context, &state); break;)
 
 // Launch: one item a slot in [0, count). path_sum_*: radiance of the pixel sample by kind of its first bounce.
 // ray_counts[slot]: closest-hit rays and shadow rays traced.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void path_megakernel(
-    global real4* restrict path_sum_direct, HR_IF_REFLECTION(global real4* restrict path_sum_reflection HR_COMMA)
-    HR_IF_REFRACTION(global real4* restrict path_sum_refraction HR_COMMA) global uint2* restrict ray_counts,
+    global real4* restrict path_sum_direct,
+    HR_IF_REFLECTION(global real4* restrict path_sum_reflection HR_COMMA)
+        HR_IF_REFRACTION(global real4* restrict path_sum_refraction HR_COMMA) global uint2* restrict ray_counts,
     const uint count, HR_CONTEXT_PARAMETERS) {
   const uint slot = (uint)get_global_id(0);
   if (slot >= count) return;
@@ -27,7 +28,9 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void path_mega
     if (next == HR_STAGE_intersect_shadow) rays.y++;
     switch (next) {
       HR_PATH_STAGES(HR_STAGE_CASE)
-      default: next = HR_STAGE_done; break;
+      default:
+        next = HR_STAGE_done;
+        break;
     }
   }
   path_sum_direct[slot] = state.sum_direct;

@@ -29,10 +29,10 @@ typedef struct PendingBranch {
 typedef struct PathContext {
   SceneView view;
   RenderParams params;
-  uint slot;                             // pixel = first_pixel + slot
-  global PendingBranch* branches;        // entry e of this path at branches[e * slot_count + slot]
-  global float4* aov_normal_depth;       // per pixel: shading normal to the viewer, distance [m]; zero for a miss
-  global float4* aov_albedo_object;      // per pixel: kd, object + 1 as float; zero for a miss
+  uint slot;                         // pixel = first_pixel + slot
+  global PendingBranch* branches;    // entry e of this path at branches[e * slot_count + slot]
+  global float4* aov_normal_depth;   // per pixel: shading normal to the viewer, distance [m]; zero for a miss
+  global float4* aov_albedo_object;  // per pixel: kd, object + 1 as float; zero for a miss
 } PathContext;
 
 static inline void path_add(PathState* s, real3 radiance) {

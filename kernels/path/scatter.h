@@ -25,8 +25,7 @@ static inline void push_branch(const PathContext* context, PathState* s, real3 o
   branch.origin = vec4(origin, 0);
   branch.direction = vec4(direction, 0);
   branch.weight = vec4(weight, 0);
-  branch.control = (uint4)(s->control.x + 1, left_primitive(context, s),
-                           first_bounce_kind(s, HR_KIND_REFRACTION), 0);
+  branch.control = (uint4)(s->control.x + 1, left_primitive(context, s), first_bounce_kind(s, HR_KIND_REFRACTION), 0);
   context->branches[size * context->params.slot_count + context->slot] = branch;
   s->control.w += 1u << 8;
 }
@@ -37,8 +36,8 @@ static inline uint follow(const PathContext* context, PathState* s, real3 direct
   s->ray_origin = vec4(origin, 0);
   s->ray_direction = vec4(direction, 0);
   s->weight = vec4(weight, 0);
-  s->control = (uint4)(s->control.x + 1, s->control.z, s->control.z + 1,
-                       first_bounce_kind(s, kind) | (s->control.w & ~255u));
+  s->control =
+      (uint4)(s->control.x + 1, s->control.z, s->control.z + 1, first_bounce_kind(s, kind) | (s->control.w & ~255u));
   return HR_STAGE_intersect_closest;
 }
 

@@ -11,9 +11,9 @@
 #include "path/shade_surface.h"
 
 // Parameters both engines' kernels share, and their gathering into `context` (without its slot).
-#define HR_CONTEXT_PARAMETERS                                         \
-  HR_SCENE_PARAMETERS                                                 \
-  HR_IF_BRANCHING(global PendingBranch* restrict branches HR_COMMA)   \
+#define HR_CONTEXT_PARAMETERS                                       \
+  HR_SCENE_PARAMETERS                                               \
+  HR_IF_BRANCHING(global PendingBranch* restrict branches HR_COMMA) \
   global float4 *restrict aov_normal_depth, global float4 *restrict aov_albedo_object, const RenderParams params
 
 #define HR_MAKE_CONTEXT                         \

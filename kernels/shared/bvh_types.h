@@ -6,12 +6,13 @@
 
 HR_SHARED_BEGIN
 
-// Both children's boxes, an axis a vector, and their references, in one cache line (Aila and Laine 2009). A reference is
-// >= 0 for an inner node and ~index for a leaf. A tree of one primitive has it on both sides; the tree of none has a leaf
-// of NaNs, which no ray meets. References stand apart from the boxes: an index read as a float is a denormal number, and
-// vector code that drags it through a multiplication loses a hundred cycles on some processors.
+// Both children's boxes, an axis a vector, and their references, in one cache line (Aila and Laine 2009). A reference
+// is
+// >= 0 for an inner node and ~index for a leaf. A tree of one primitive has it on both sides; the tree of none has a
+// leaf of NaNs, which no ray meets. References stand apart from the boxes: an index read as a float is a denormal
+// number, and vector code that drags it through a multiplication loses a hundred cycles on some processors.
 typedef struct BvhNode {
-  float4 x;    // left lo, left hi, right lo, right hi [m]
+  float4 x;  // left lo, left hi, right lo, right hi [m]
   float4 y;
   float4 z;
   uint4 child;  // left, right, 0, 0 (int bits)
@@ -27,7 +28,7 @@ typedef struct BvhLeaf {
 
 // What one chunk of primitives contributes to the scene's bounds (bvh/bounds.cl).
 typedef struct BoundsPartial {
-  float4 lo;           // of the boxes [m]
+  float4 lo;  // of the boxes [m]
   float4 hi;
   float4 centroid_lo;  // of the box centres [m]
   float4 centroid_hi;

@@ -51,7 +51,8 @@ struct Layout {
   std::vector<Member> members;
 };
 
-#define HR_MEMBER(type, member) {#member, offsetof(shared::type, member), sizeof(shared::type::member)}
+#define HR_MEMBER(type, member) \
+  { #member, offsetof(shared::type, member), sizeof(shared::type::member) }
 #define HR_FOUR(type, a, b, c, d) HR_MEMBER(type, a), HR_MEMBER(type, b), HR_MEMBER(type, c), HR_MEMBER(type, d)
 
 const std::vector<Layout>& layouts() {
@@ -76,9 +77,7 @@ const std::vector<Layout>& layouts() {
         HR_FOUR(Light, sample_count, first_sample, jitter, first_primitive), HR_MEMBER(Light, primitive_count)}},
       {"Emitter", sizeof(shared::Emitter), {HR_FOUR(Emitter, primitive, cumulative, inverse_pdf, pad)}},
       {"BvhNode", sizeof(shared::BvhNode), {HR_FOUR(BvhNode, x, y, z, child)}},
-      {"BvhLeaf",
-       sizeof(shared::BvhLeaf),
-       {HR_MEMBER(BvhLeaf, a), HR_MEMBER(BvhLeaf, b), HR_MEMBER(BvhLeaf, c)}},
+      {"BvhLeaf", sizeof(shared::BvhLeaf), {HR_MEMBER(BvhLeaf, a), HR_MEMBER(BvhLeaf, b), HR_MEMBER(BvhLeaf, c)}},
       {"BoundsPartial",
        sizeof(shared::BoundsPartial),
        {HR_FOUR(BoundsPartial, lo, hi, centroid_lo, centroid_hi),
@@ -165,9 +164,10 @@ TEST_CASE("no shared struct is missing from the lists above") {
 }
 
 TEST_CASE("a pending branch takes as much memory on the device as the host sets aside") {
-  const test::KernelFolder folder("probe/branch.cl",
-                                  "#include \"path/path_context.h\"\n"
-                                  "kernel void probe_branch(global uint* out) { out[0] = (uint)sizeof(PendingBranch); }\n");
+  const test::KernelFolder folder(
+      "probe/branch.cl",
+      "#include \"path/path_context.h\"\n"
+      "kernel void probe_branch(global uint* out) { out[0] = (uint)sizeof(PendingBranch); }\n");
   Context context(choose_device(""));
   Program program(context, "branch", {"probe/branch.cl"}, {HR_FEATURE_BRANCHING, false});
   Buffer<std::uint32_t> out(context, "out", 1);

@@ -16,9 +16,9 @@ namespace {
 using Keys = std::vector<std::uint64_t>;
 using Values = std::vector<std::uint32_t>;
 
-constexpr std::uint32_t kSizes[] = {0,   1,   2,   3,   7,   8,   9,    15,   16,   17,   31,   32,   33,    63,    64,
-                                    65,  127, 128, 129, 255, 256, 257,  511,  512,  513,  1023, 1024, 1025,  4095,  4096,
-                                    4097, 65535, 65536, 65537, 100000};
+constexpr std::uint32_t kSizes[] = {0,   1,    2,    3,    7,    8,    9,    15,    16,    17,    31,    32,
+                                    33,  63,   64,   65,   127,  128,  129,  255,   256,   257,   511,   512,
+                                    513, 1023, 1024, 1025, 4095, 4096, 4097, 65535, 65536, 65537, 100000};
 
 // Sorts on the device with values 0, 1, 2, ...; the array may be longer than what is sorted.
 struct Sorted {
@@ -67,7 +67,7 @@ TEST_CASE("the scan is the exclusive prefix sum, and the total follows") {
   std::mt19937 random(1);
   for (const std::uint32_t count : kSizes) {
     Values input(count + 3);
-    for (std::uint32_t& v : input) v = random();  // sums wrap, as unsigned ones do
+    for (std::uint32_t& v : input) v = static_cast<std::uint32_t>(random());  // sums wrap, as unsigned ones do
     Buffer<std::uint32_t> values(context, "values", std::span<const std::uint32_t>(input));
     parallel.exclusive_scan(values, count);
     Values expected = input;
@@ -92,9 +92,9 @@ TEST_CASE("the sort is std::stable_sort for keys with a pattern") {
     std::sort(keys.begin(), keys.end());
     check_sort(context, parallel, keys, 64);  // sorted already
     std::reverse(keys.begin(), keys.end());
-    check_sort(context, parallel, keys, 64);                                 // reversed
-    check_sort(context, parallel, Keys(count, 0x0123456789abcdefU), 64);     // all equal
-    check_sort(context, parallel, random_keys(count, 10, 0x3U), 64);         // few distinct
+    check_sort(context, parallel, keys, 64);                                         // reversed
+    check_sort(context, parallel, Keys(count, 0x0123456789abcdefU), 64);             // all equal
+    check_sort(context, parallel, random_keys(count, 10, 0x3U), 64);                 // few distinct
     check_sort(context, parallel, random_keys(count, 11, 0xff00000000000000U), 64);  // the last digit only
     Keys outlier(count, 0);
     outlier.front() = ~std::uint64_t{0};

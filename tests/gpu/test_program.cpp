@@ -14,9 +14,9 @@ namespace hemiray {
 namespace {
 
 constexpr const char* kProbe = R"(#include "probe/constant.h"
-kernel void probe_fill(global uint* restrict values, const uint base, const uint step, const uint count) {
+kernel void probe_fill(global uint* restrict values, const uint base, const uint stride, const uint count) {
   const uint i = (uint)get_global_id(0);
-  if (i < count) values[i] = base + step * i + PROBE_CONSTANT;
+  if (i < count) values[i] = base + stride * i + PROBE_CONSTANT;
 }
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void probe_sizes(global uint* restrict values) {
   if (get_global_id(0) == 0) {
@@ -67,7 +67,7 @@ TEST_CASE("arguments are bound by name, in any order") {
   values.clear();
   const std::uint32_t base = 7, step = 3, count = 90;
   launch(probe.context, probe.program.kernel("probe_fill"), 100,
-         arguments(arg("count", count), arg("step", step), arg("values", values), arg("base", base)));
+         arguments(arg("count", count), arg("stride", step), arg("values", values), arg("base", base)));
   const std::vector<std::uint32_t> read = values.read();
   for (std::uint32_t i = 0; i < 100; i++) REQUIRE(read[i] == (i < count ? 1007 + 3 * i : 0));
 }
@@ -75,7 +75,7 @@ TEST_CASE("arguments are bound by name, in any order") {
 TEST_CASE("a missing, unknown or surplus argument is a logic error that names kernel and argument") {
   Probe probe;
   const Buffer<std::uint32_t> values(probe.context, "values", 4);
-  const Argument v = arg("values", values), b = arg("base", 1U), s = arg("step", 1U), c = arg("count", 4U);
+  const Argument v = arg("values", values), b = arg("base", 1U), s = arg("stride", 1U), c = arg("count", 4U);
   CHECK(logic_error_of(probe, {v, b, s, c}) == "none");
   CHECK(logic_error_of(probe, {v, b, s}) == "kernel probe_fill takes 4 arguments, 3 given");
   CHECK(logic_error_of(probe, {v, b, s, c, arg("more", 1U)}) == "kernel probe_fill takes 4 arguments, 5 given");
@@ -88,7 +88,7 @@ TEST_CASE("an argument of the wrong size is an error with the code's meaning, th
   Probe probe;
   const Buffer<std::uint32_t> values(probe.context, "values", 4);
   const Arguments given =
-      arguments(arg("values", values), arg("base", std::uint64_t{1}), arg("step", 1U), arg("count", 4U));
+      arguments(arg("values", values), arg("base", std::uint64_t{1}), arg("stride", 1U), arg("count", 4U));
   CHECK_THROWS_AS(launch(probe.context, probe.program.kernel("probe_fill"), 4, given), DeviceError);
   CHECK_THROWS_WITH(launch(probe.context, probe.program.kernel("probe_fill"), 4, given),
                     Catch::Contains("probe_fill") && Catch::Contains("'base'") && Catch::Contains("CL_INVALID_ARG"));
@@ -121,10 +121,14 @@ TEST_CASE("launches are rounded up to the local size, and options reach the kern
   }
 }
 
-TEST_CASE("kernels that do not compile: one error with the build log, file and line") {
+TEST_CASE(
+    "kernels that do not compile: one line with the first error, its file and line, and the whole log in a file") {
   Context context(choose_device(""));
   const test::KernelFolder folder;
-  folder.write("probe/broken.cl", "#include \"probe/fine.h\"\n\nkernel void probe() { int x = not_declared; }\n");
+  const test::TempFolder cache;
+  const test::ScopedVariable variable("HEMIRAY_CACHE_DIR", cache.path().string());
+  folder.write("probe/broken.cl",
+               "#include \"probe/fine.h\"\n\nkernel void probe() { int x = not_declared; }\n\nint f() { nor_this; }\n");
   folder.write("probe/fine.h", "int fine(void);\n");
   try {
     const Program program(context, "broken program", {"probe/broken.cl"}, {});
@@ -135,7 +139,11 @@ TEST_CASE("kernels that do not compile: one error with the build log, file and l
     CHECK_THAT(message, Catch::Contains("CL_BUILD_PROGRAM_FAILURE"));
     CHECK_THAT(message, Catch::Contains("not_declared"));
     CHECK_THAT(message, Catch::Contains("probe/broken.cl:3"));
+    CHECK(message.find('\n') == std::string::npos);
     CHECK(error.code() == ExitCode::device);
+    const std::string log = test::read_whole_file(cache / "broken program_build.log");
+    CHECK_THAT(log, Catch::Contains("not_declared") && Catch::Contains("nor_this"));
+    CHECK_THAT(message, Catch::Contains((cache / "broken program_build.log").string()));
   }
 }
 
@@ -147,7 +155,7 @@ TEST_CASE("a cached program runs as a fresh one does, and a damaged entry is com
     CHECK(probe.program.from_cache() == from_cache);
     Buffer<std::uint32_t> values(probe.context, "values", 3);
     launch(probe.context, probe.program.kernel("probe_fill"), 3,
-           arguments(arg("values", values), arg("base", 1U), arg("step", 1U), arg("count", 3U)));
+           arguments(arg("values", values), arg("base", 1U), arg("stride", 1U), arg("count", 3U)));
     CHECK(values.read() == std::vector<std::uint32_t>{1001, 1002, 1003});
   };
   check_runs(false);

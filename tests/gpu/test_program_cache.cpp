@@ -118,8 +118,9 @@ TEST_CASE("an entry with any one bit flipped is refused") {
 
 TEST_CASE("a foreign entry is refused: another file, another key's entry, a folder") {
   const test::TempFolder folder;
-  for (const char* content : {"", "\n", "hemiray program 1\n", "not ours at all, but long enough to hold a header: "
-                                                              "0123456789012345678901234567890123456789"}) {
+  for (const char* content : {"", "\n", "hemiray program 1\n",
+                              "not ours at all, but long enough to hold a header: "
+                              "0123456789012345678901234567890123456789"}) {
     folder.write("key.bin", content);
     INFO("content '" << content << "'");
     CHECK_FALSE(load_program(folder.path(), "key"));
