@@ -29,7 +29,8 @@ constexpr const char* kExamples = R"(Examples:
   hemiray render scenes/glass_and_mirror.json -o a.exr --engine megakernel --strict --json > a.json
   hemiray render scene.obj -o out.exr --device gpu --trace trace.json
 
-The EXR holds the layers beauty (R, G, B, A), depth, normal, albedo, id, direct, reflection, refraction.
+The EXR holds the layers beauty (R, G, B, A; W/m^2/sr), depth (m), normal, albedo, id (object + 1), direct,
+reflection, refraction.
 Interrupt (Ctrl-C) finishes the pass, writes what is there and exits with 130.)";
 
 struct RenderArguments {
@@ -162,17 +163,17 @@ int run_render(const RenderArguments& given) {
 void add_render_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("render", "Render a scene to an OpenEXR file");
   const auto given = std::make_shared<RenderArguments>();
-  command->add_option("SCENE", given->scene, "Scene: .json, .gltf, .glb, .obj or .ply")->required();
-  command->add_option("-o,--output", given->output, "Picture to write, .exr")->required();
+  command->add_option("SCENE", given->scene, "Scene: .json, .gltf, .glb, .obj or .ply")->required()->type_name("FILE");
+  command->add_option("-o,--output", given->output, "Picture to write, .exr")->required()->type_name("FILE");
   command->add_option("--png", given->png, "Write an sRGB PNG of the beauty layer, too");
-  command->add_option("--exposure", given->exposure, "Stops by which the PNG is made brighter")
+  command->add_option("--exposure", given->exposure, "Stops by which the PNG of --png is made brighter")
       ->check(CLI::Range(-64.0, 64.0));
   command->add_option("--device", given->device, "Index, part of a name, cpu or gpu (default: HEMIRAY_DEVICE)");
-  command->add_option("--engine", given->engine, "wavefront or megakernel")
+  command->add_option("--engine", given->engine, "How paths are run; the pictures agree, with --strict to the bit")
       ->check(CLI::IsMember({"wavefront", "megakernel"}))
       ->capture_default_str();
   command->add_option("--size", given->size, "WIDTHxHEIGHT in pixels (default: the scene's)");
-  command->add_option("--spp", given->spp, "Samples a pixel")->capture_default_str();
+  command->add_option("--spp", given->spp, "Samples a pixel, from 1 on")->capture_default_str();
   command->add_option("--depth", given->depth, "Bounces of mirrors and glass, 0 to 64 (default: the scene's)")
       ->check(CLI::Range(0, 64));
   command->add_option("--seed", given->seed, "Seed of the random numbers")->capture_default_str();

@@ -55,7 +55,10 @@ std::filesystem::path program_cache_folder() {
 
 std::optional<CompiledProgram> load_program(const std::filesystem::path& folder, const std::string& key) {
   if (folder.empty()) return std::nullopt;
-  std::ifstream file(folder / (key + ".bin"), std::ios::binary);
+  const std::filesystem::path path = folder / (key + ".bin");
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
+  std::ifstream file(path, std::ios::binary);
   if (!file) return std::nullopt;
   const std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   const std::string_view view = content;

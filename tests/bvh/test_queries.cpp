@@ -234,7 +234,14 @@ TEST_CASE("the tree finds what brute force finds, on rays aimed at edges, vertic
   const FlatScene box = test::closed_mesh(6, false, Vec3(0.0F));  // boxes without thickness
   QueryBench(workshop, box).check_equals_brute_force("box", aimed_rays(box, 100000, 11), 0.5);
   const FlatScene far = test::closed_mesh(6, true, Vec3(100.0F, -50.0F, 70.0F));
-  QueryBench(workshop, far).check_equals_brute_force("far ball", rays_from_inside(far, 100000, 12), 1.0);
+  // A ray exactly along an axis is taken as leaving it by 1e-18 (lib/intersect.h): in the plane of a box's end it meets
+  // one of two neighbours, and brute force may name the other. Such rays have a case of their own below.
+  Rays oblique = rays_from_inside(far, 100000, 12);
+  std::erase_if(oblique, [](const shared::QueryRay& ray) {
+    return ray.direction.x == 0.0F || ray.direction.y == 0.0F || ray.direction.z == 0.0F;
+  });
+  CHECK(oblique.size() > 90000);
+  QueryBench(workshop, far).check_equals_brute_force("far ball", oblique, 1.0);
 }
 
 TEST_CASE("the tree finds what brute force finds within bounded intervals") {
