@@ -79,7 +79,7 @@ static inline bool sample_emitters(const SceneView* view, const Light* light, ui
     const real root = sqrt(xi.y);
     const real u = root * (1 - xi.z), v = root * xi.z;
     point = g.a * (1 - root) + g.b * u + g.c * v;
-    normal = normalize3(cross3(g.b - g.a, g.c - g.a));
+    normal = normal_of_edges(g.b - g.a, g.c - g.a);
     const real2 uv = HR_HAS(TEXTURES) ? interpolate_uv(view, g.indices, u, v) : (real2)(0);
     shade_material(view, g.indices.w, uv, HR_HAS(TEXTURES), (real3)(1), &lit);
   } else if (HR_HAS(SPHERES)) {

@@ -135,7 +135,7 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
     const real3 wa = g.a * (1 - hit->u - hit->v), wb = g.b * hit->u, wc = g.c * hit->v;
     s.position = wa + wb + wc;
     s.error = (fabs(wa) + fabs(wb) + fabs(wc)) * HR_GAMMA(7);
-    outward = normalize3(cross3(g.b - g.a, g.c - g.a));
+    outward = normal_of_edges(g.b - g.a, g.c - g.a);
     interpolated = outward;
     if (HR_HAS(SMOOTH_NORMALS)) interpolated = interpolate_normal(view, g.indices, hit->u, hit->v, outward);
     if (HR_HAS(TEXTURES)) {

@@ -22,6 +22,13 @@ static inline real3 cross3(real3 a, real3 b) {
 
 static inline real3 normalize3(real3 v) { return v / sqrt(dot3(v, v)); }
 
+// Unit normal of a triangle's edges, scaled first so that the square of a tiny area does not underflow.
+static inline real3 normal_of_edges(real3 e1, real3 e2) {
+  const real3 a = fabs(e1), b = fabs(e2);
+  const real scale = 1 / max(max(max(a.x, a.y), a.z), max(max(b.x, b.y), b.z));
+  return normalize3(cross3(e1 * scale, e2 * scale));
+}
+
 static inline real max_component(real3 v) { return max(max(v.x, v.y), v.z); }
 
 // v's component along axis k in {0, 1, 2}.

@@ -38,10 +38,11 @@ typedef struct BoundsPartial {
   uint pad;
 } BoundsPartial;
 
-// A ray for Accel::intersect and Accel::occluded. Hits count in the open interval (t_min, t_max).
+// A ray for RayQueries. Hits count in the open interval (t_min, t_max), t_min >= 0; the direction's length must lie in
+// [1e-15, 1e15], beyond which products of three factors leave the range of a float.
 typedef struct QueryRay {
   float4 origin;     // xyz [m], w = t_min
-  float4 direction;  // xyz, any length but zero, w = t_max [in lengths of direction]
+  float4 direction;  // xyz, w = t_max [in lengths of direction]
 } QueryRay;
 
 // Its closest hit; primitive = HR_NO_PRIMITIVE for a miss.

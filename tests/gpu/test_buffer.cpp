@@ -64,6 +64,7 @@ TEST_CASE("the memory account counts what lives, and remembers the peak") {
     CHECK(context.peak_bytes() == 8400);
   }
   CHECK(context.allocated_bytes() == 0);
+  const Buffer<float> later(context, "later", 10);  // below the peak
   CHECK(context.peak_bytes() == 8400);
 }
 
