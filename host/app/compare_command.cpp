@@ -212,6 +212,11 @@ void print_json(const CompareOptions& options, const ImageComparison& comparison
 std::optional<DifferenceFile> write_default_difference(const CompareOptions& options, const Image& difference,
                                                        const ImageComparison& comparison) {
   const fs::path path = fs::path(options.a).replace_extension(".diff.png");
+  std::error_code error_code;
+  if (fs::equivalent(path, options.a, error_code) || fs::equivalent(path, options.b, error_code)) {
+    fmt::print(stderr, "warning: no difference image written: {} is one of the images compared\n", path.string());
+    return std::nullopt;
+  }
   try {
     return write_difference(path, difference, comparison);
   } catch (const Error& error) {

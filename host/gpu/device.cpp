@@ -62,8 +62,10 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device) {
 bool matches(const DeviceInfo& device, const std::string& selector) {
   if (selector == "cpu") return device.kind == DeviceKind::cpu;
   if (selector == "gpu") return device.kind == DeviceKind::gpu;
-  return lower(device.name).find(selector) != std::string::npos ||
-         lower(device.platform).find(selector) != std::string::npos;
+  for (const std::string* text : {&device.name, &device.platform, &device.platform_version}) {
+    if (lower(*text).find(selector) != std::string::npos) return true;
+  }
+  return false;
 }
 
 std::string names_of(const std::vector<DeviceInfo>& devices) {

@@ -36,7 +36,8 @@ struct DeviceInfo {
 std::vector<DeviceInfo> list_devices();
 
 /// The device a user means by `selector`: "" (the environment's HEMIRAY_DEVICE, else the first usable GPU, else the
-/// first usable device), an index, "cpu", "gpu", or part of a name (device or platform; case does not matter).
+/// first usable device), an index, "cpu", "gpu", or part of a name (device, platform or its version;
+/// case does not matter).
 /// Throws DeviceError if there is no usable device at all (naming the package to install), InputError if none matches.
 DeviceInfo choose_device(const std::string& selector);
 

@@ -52,6 +52,8 @@ class Flattener {
 
 std::string kernel_source(const std::string& path) {
   if (const char* folder = std::getenv("HEMIRAY_KERNEL_DIR")) {
+    if (!std::filesystem::is_directory(folder))
+      throw InputError("HEMIRAY_KERNEL_DIR", std::string(folder) + " is not a folder");
     std::ifstream file(std::filesystem::path(folder) / path, std::ios::binary);
     if (file) return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   }

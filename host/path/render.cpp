@@ -15,7 +15,8 @@
 namespace hemiray {
 namespace {
 
-constexpr int kMaxSide = 32768;  // [pixels]
+constexpr int kMaxSide = 65536;                             // [pixels]
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 30;  // slots and pixels are counted in 32 bits
 constexpr int kMaxSamples = 1 << 20;
 constexpr int kMaxDepth = 64;  // a pending branch a bounce and slot is kept
 constexpr std::uint32_t kSeedFactor = 0x9E3779B9U;
@@ -74,7 +75,7 @@ void trace_passes(Context& context, PathEngine& engine, Film& film, shared::Rend
     context.finish();
     statistics.passes = pass + 1;
     if (pass == 0 && options.on_first_pass) options.on_first_pass();
-    if (pass + 1 < options.spp && options.should_stop && options.should_stop()) {
+    if (options.should_stop && options.should_stop()) {
       statistics.interrupted = true;
       break;
     }
@@ -83,7 +84,8 @@ void trace_passes(Context& context, PathEngine& engine, Film& film, shared::Rend
 }
 
 void note_program(const Context& context, RenderStatistics& statistics, const Program& program) {
-  const bool cached = program.from_cache() || context.profile().has_own_cache;
+  const bool driver_had_it = context.profile().has_own_cache && context.kernels_compiled() == 0;
+  const bool cached = program.from_cache() || driver_had_it;
   statistics.programs.push_back({program.name(), program.kernel_count(), program.build_ms(), cached});
 }
 
@@ -95,6 +97,9 @@ RenderResult render_scene(Context& context, const Scene& scene, const RenderOpti
   const int depth = options.depth >= 0 ? options.depth : scene.depth;
   check_range("--size", width, 1, kMaxSide);
   check_range("--size", height, 1, kMaxSide);
+  if (std::int64_t{width} * height > kMaxPixels) {
+    throw InputError("--size", fmt::format("{} x {} is more than 2^30 pixels", width, height));
+  }
   check_range("--spp", options.spp, 1, kMaxSamples);
   check_range("--depth", depth, 0, kMaxDepth);
   const std::uint32_t pixels = static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(height);

@@ -49,7 +49,9 @@ class Validator {
     return true;
   }
   static bool coordinates(const DVec3& v) { return within(v, -kMaxCoordinate, kMaxCoordinate); }
-  static bool radiance(const Vec3& v) { return within(v, 0.0, kMaxRadiance); }
+  static bool radiance(const Vec3& v) {
+    return within(v, 0.0, static_cast<float>(kMaxRadiance));  // the limit itself, rounded like the values
+  }
   static bool unit(const DVec3& v) { return std::abs(glm::dot(v, v) - 1.0) <= kUnitTolerance; }
   static bool between(double v, double low, double high) { return v >= low && v <= high; }
 

@@ -110,7 +110,7 @@ TEST_CASE("bad input: the command line") {
   };
   refuse({"--size", "0x0"}, {"--size", "no pixels"});
   refuse({"--size", "16x0"}, {"--size", "no pixels"});
-  refuse({"--size", "999999x999999"}, {"--size", "999999", "1 to 32768"});
+  refuse({"--size", "999999x999999"}, {"--size", "999999", "1 to 65536"});
   refuse({"--size", "99999999999999999999x1"}, {"--size", "too many"});
   refuse({"--size", "abc"}, {"--size", "'abc'", "640x480"});
   refuse({"--size", "640"}, {"--size", "'640'", "640x480"});

@@ -21,8 +21,8 @@ struct LongRender {
   std::string output = (folder / "a.exr").string();
   RunningProgram program;
 
-  explicit LongRender(const std::string& size)
-      : program({{"render", scene, "-o", output, "--size", size, "--spp", "1000000"}, {}, true, 0, "/dev/null"}) {
+  explicit LongRender(const std::string& size, const std::string& spp = "1000000")
+      : program({{"render", scene, "-o", output, "--size", size, "--spp", spp}, {}, true, 0, "/dev/null"}) {
     program.wait_for("render [");
   }
 };
@@ -76,4 +76,14 @@ TEST_CASE("the progress bar on a terminal shows rate and time left and is wiped"
   const std::size_t wiped = text.rfind(std::string(20, ' ') + "\r");
   REQUIRE(wiped != std::string::npos);
   CHECK(wiped < text.find("hemiray: interrupted"));
+}
+
+TEST_CASE("an interrupt in the only pass is not forgotten") {
+  LongRender render("2500x2500", "1");
+  render.program.send(SIGINT);
+  const ProgramEnd end = render.program.wait();
+  INFO(end.err);
+  CHECK_FALSE(end.by_signal);
+  CHECK(end.number == 130);
+  CHECK_THAT(end.err, Catch::Contains("interrupted after 1 of 1 samples"));
 }

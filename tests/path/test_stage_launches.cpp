@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -137,6 +138,19 @@ TEST_CASE("a light behind every surface sends no shadow ray") {
   CHECK(statistics.rays.closest == kSamples);
   CHECK(statistics.rays.shadow == 0);
   CHECK(stages_of(statistics).count("path_intersect_shadow") == 0);
+}
+
+TEST_CASE("device memory is predicted before it is taken") {
+  Material glass = diffuse(Vec3(0.0F));
+  glass.kr = glass.kt = Vec3(1.0F);
+  for (const EngineKind engine : {EngineKind::wavefront, EngineKind::megakernel}) {
+    for (const Material& ball : {diffuse(Vec3(0.5F)), glass}) {
+      const RenderStatistics statistics = statistics_of(ball_scene(ball, true), engine);
+      const auto peak = static_cast<double>(statistics.peak_device_bytes);
+      INFO(statistics.predicted_device_bytes << " predicted, " << peak << " taken");
+      CHECK(std::abs(static_cast<double>(statistics.predicted_device_bytes) - peak) < 0.05 * peak);
+    }
+  }
 }
 
 }  // namespace hemiray
