@@ -96,7 +96,7 @@ TEST_CASE("pixel offsets and unit numbers on the device are those of the host, b
   }
 }
 
-TEST_CASE("strict log2 is within its bound on (0, 1]") {
+TEST_CASE("strict log2 is within its bound from 0 to 1") {
   const std::vector<float> x = unit_arguments();
   for (const bool strict : {true, false}) {
     const auto out = run_probe<float, float>(probe_of("math", "float", "float", "strict_log2(x)"), x, strict);
