@@ -170,7 +170,7 @@ TEST_CASE("a cached program runs as a fresh one does, and a damaged entry is com
   check_runs(false);
 }
 
-TEST_CASE("the flattened text can be dumped, and a folder that is not there is said so") {
+TEST_CASE("the flattened text can be dumped into a folder made on the way, and a file in its place is said so") {
   const test::TempFolder dump;
   {
     const test::ScopedVariable variable("HEMIRAY_DUMP_KERNELS", dump.path().string());
@@ -178,7 +178,12 @@ TEST_CASE("the flattened text can be dumped, and a folder that is not there is s
   }
   CHECK_THAT(test::read_whole_file(dump / "probe.cl"),
              Catch::StartsWith("#line 1 \"probe/probe.cl\"\n#line 1 \"probe/constant.h\"\n#define PROBE_CONSTANT"));
-  const test::ScopedVariable variable("HEMIRAY_DUMP_KERNELS", (dump / "gone").string());
+  {
+    const test::ScopedVariable variable("HEMIRAY_DUMP_KERNELS", (dump / "new").string());
+    const Probe probe;
+  }
+  CHECK(test::read_whole_file(dump / "new" / "probe.cl") == test::read_whole_file(dump / "probe.cl"));
+  const test::ScopedVariable variable("HEMIRAY_DUMP_KERNELS", (dump / "probe.cl").string());
   CHECK_THROWS_AS(Probe(), InputError);
 }
 
