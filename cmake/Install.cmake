@@ -21,6 +21,7 @@ install(TARGETS hemiray_shared EXPORT hemiray_targets LIBRARY DESTINATION ${CMAK
 install(TARGETS hemiray_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES host/api/hemiray.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hemiray)
 install(DIRECTORY scenes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/hemiray/scenes)
+install(FILES bench/bars.json bench/plot.py DESTINATION ${CMAKE_INSTALL_DATADIR}/hemiray/bench)
 
 set(HR_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/hemiray)
 install(EXPORT hemiray_targets FILE hemirayTargets.cmake NAMESPACE hemiray:: DESTINATION ${HR_PACKAGE_DIR})

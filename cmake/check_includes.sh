@@ -18,9 +18,10 @@ BEGIN {
   count = split(effects, effect, " ")
   for (i = 1; i <= count; ++i) below[effect[i]] = "base gpu scene"
   for (i = 1; i <= count; ++i) if (effect[i] != "bvh") below[effect[i]] = below[effect[i]] " bvh"  # rays need its trees
+  below["bench"] = "base gpu scene bvh"
   below["plan"] = below["study"] = "base gpu scene " effects
   below["api"] = "base gpu scene " effects " plan study"
-  below["app"] = below["api"] " api"
+  below["app"] = below["api"] " api bench"
   # Kernels: shared <- lib <- module; modules never include each other.
   exception["path", "photon/gather.h"] = 1
   bad = 0
@@ -39,6 +40,8 @@ function check_host(folder, target, part) {
     complain("host/" folder " has no include rule; add one to cmake/check_includes.sh")
   } else if (part[1] == "kernels") {
     if (part[2] != "shared") complain("host includes only kernels/shared, not " target)
+  } else if (part[1] == "bench") {
+    if (folder != "app" || part[2] != "peers") complain("only host/app includes bench/peers, not host/" folder)
   } else if (part[1] == "host") {
     if (part[2] != folder && !holds(below[folder], part[2])) complain("host/" folder " may not include " target)
   } else {
@@ -52,6 +55,12 @@ function check_kernel(folder, target, part) {
   if (part[1] == "lib" && folder != "shared") return
   if ((folder, target) in exception) return
   complain("kernels/" folder " may not include " target " (shared <- lib <- module)")
+}
+
+# Peers stand behind the interface of host/bench and know nothing of our own tracers.
+function check_peers(target) {
+  if (target ~ /^(bench\/peers|host\/base|host\/bench|host\/scene|kernels\/shared)\//) return
+  complain("bench/peers sees only host/base, host/bench, host/scene and kernels/shared, not " target)
 }
 
 function check_reference(target) {
@@ -80,6 +89,8 @@ function check_reference(target) {
     check_host(place[2], target)
   } else if (place[1] == "kernels") {
     check_kernel(place[2], target)
+  } else if (place[1] == "bench" && place[2] == "peers") {
+    check_peers(target)
   } else if (place[1] == "tests" && place[2] == "reference") {
     check_reference(target)
   }

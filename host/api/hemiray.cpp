@@ -9,7 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/base/exr.hpp"
 #include "host/base/png.hpp"
-#include "host/bvh/accel.hpp"
+#include "host/bvh/ray_queries.hpp"
 #include "host/path/render.hpp"
 #include "host/scene/features.hpp"
 #include "host/scene/flat_scene.hpp"

@@ -1,13 +1,14 @@
 // `hemiray devices`: every OpenCL device with what hemiray would use of it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "host/app/commands.hpp"
 #include "host/base/error.hpp"
 #include "host/base/numbers.hpp"
-#include "host/gpu/device.hpp"
+#include "host/gpu/device_list.hpp"
 #include "host/gpu/device_profile.hpp"
 
 namespace hemiray::app {
@@ -17,7 +18,10 @@ constexpr const char* kExamples = R"(Examples:
   hemiray devices                                     list what is there
   hemiray render SCENE -o out.exr --device 1          choose by index,
   hemiray render SCENE -o out.exr --device gpu        by kind (cpu, gpu),
-  HEMIRAY_DEVICE=pocl hemiray render SCENE -o out.exr or by part of a name)";
+  HEMIRAY_DEVICE=pocl hemiray render SCENE -o out.exr or by part of a name;
+  hemiray render SCENE -o out.exr --device 0,1        share the work between several,
+  hemiray render SCENE -o out.exr --device all        between all of them,
+  hemiray render SCENE -o out.exr --device split:2    or between two halves of the default one)";
 
 nlohmann::json to_json(const DeviceInfo& d, bool chosen) {
   const DeviceProfile profile = profile_for(d);
@@ -63,13 +67,18 @@ void add_devices_command(CLI::App& app, int& exit_code) {
   command->footer(kExamples);
   command->callback([json, &exit_code] {
     const std::vector<DeviceInfo> devices = list_devices();
-    const int chosen = choose_device("").index;  // throws, with the package to install, if there is none
+    // Throws, with the package to install, if there is none.
+    const std::vector<DeviceInfo> defaults = choose_devices("");
+    const auto is_default = [&defaults](const DeviceInfo& device) {
+      return std::any_of(defaults.begin(), defaults.end(),
+                         [&device](const DeviceInfo& d) { return d.index == device.index; });
+    };
     nlohmann::json all = nlohmann::json::array();
     for (const DeviceInfo& device : devices) {
       if (*json) {
-        all.push_back(to_json(device, device.index == chosen));
+        all.push_back(to_json(device, is_default(device)));
       } else {
-        print(device, device.index == chosen);
+        print(device, is_default(device));
       }
     }
     if (*json) fmt::print("{}\n", all.dump(2));

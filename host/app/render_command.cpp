@@ -1,7 +1,10 @@
 // `hemiray render SCENE -o FILE`.
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -15,6 +18,7 @@
 #include "host/base/interrupt.hpp"
 #include "host/base/png.hpp"
 #include "host/base/progress.hpp"
+#include "host/gpu/device_list.hpp"
 #include "host/path/render.hpp"
 #include "host/scene/load.hpp"
 
@@ -28,13 +32,19 @@ constexpr const char* kExamples = R"(Examples:
   hemiray render model.glb -o model.exr --png model.png --exposure 1 --size 1024x768 --spp 16
   hemiray render scenes/glass_and_mirror.json -o a.exr --engine megakernel --strict --json > a.json
   hemiray render scene.obj -o out.exr --device gpu --trace trace.json
+  hemiray render model.ply -o out.exr --accel octree --triangle fast
+  hemiray render scene.gltf -o out.exr --device all      every device, tiles by what each delivers
+  hemiray render scene.gltf -o out.exr --device cpu,1    these two
+  hemiray render scene.gltf -o out.exr --device split:2  one device as two sub-devices
 
 The EXR holds the layers beauty (R, G, B, A; W/m^2/sr), depth (m), normal, albedo, id (object + 1), direct,
-reflection, refraction.
+reflection, refraction. Devices of one kind give the same bits, alone or together; one that fails on the way is
+dropped with a message, and the others do its part.
 Interrupt (Ctrl-C) finishes the pass, writes what is there and exits with 130.)";
 
 struct RenderArguments {
-  std::string scene, output, device, engine = "wavefront", size, png, trace, dump_kernels;
+  std::string scene, output, device, engine = "wavefront", accel = "bvh", tree = "quality", triangle = "watertight",
+                                     size, png, trace, dump_kernels;
   int spp = 4, depth = -1;
   std::uint32_t seed = 0;
   double exposure = 0.0;
@@ -65,6 +75,9 @@ bool ends_with(const std::string& text, const std::string& end) {
 RenderOptions to_options(const RenderArguments& given) {
   RenderOptions options;
   options.engine = given.engine == "megakernel" ? EngineKind::megakernel : EngineKind::wavefront;
+  options.accel = parse_accel(given.accel);
+  options.accel.builder = given.tree == "fast" ? TreeBuilder::fast : TreeBuilder::quality;
+  options.accel.triangle_test = given.triangle == "fast" ? TriangleTest::fast : TriangleTest::watertight;
   if (!given.size.empty()) std::tie(options.width, options.height) = parse_size(given.size);
   options.spp = given.spp;
   options.depth = given.depth;
@@ -73,14 +86,29 @@ RenderOptions to_options(const RenderArguments& given) {
   return options;
 }
 
+// "a + b": each once.
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    if (std::find(names.begin(), name, *name) == name) text += (text.empty() ? "" : " + ") + *name;
+  }
+  return text;
+}
+
 RenderFacts gather_facts(const RenderArguments& given, const Scene& scene, const RenderOptions& options,
-                         const Context& context) {
+                         const std::vector<DeviceInfo>& devices) {
   RenderFacts facts;
   facts.scene = given.scene;
   facts.output = given.output;
-  facts.device = context.device().name;
-  facts.platform = context.device().platform;
-  facts.driver = context.device().driver;
+  std::vector<std::string> names, platforms, drivers;
+  for (const DeviceInfo& device : devices) {
+    names.push_back(label_of(device));
+    platforms.push_back(device.platform);
+    drivers.push_back(device.driver);
+  }
+  facts.device = joined(names);
+  facts.platform = joined(platforms);
+  facts.driver = joined(drivers);
   facts.engine = given.engine;
   facts.width = options.width > 0 ? options.width : scene.camera.width;
   facts.height = options.height > 0 ? options.height : scene.camera.height;
@@ -88,8 +116,10 @@ RenderFacts gather_facts(const RenderArguments& given, const Scene& scene, const
   facts.strict = given.strict;
   facts.spp = given.spp;
   facts.depth = given.depth >= 0 ? given.depth : scene.depth;
-  facts.options = fmt::format("--engine {} --size {}x{} --spp {} --depth {} --seed {}{}", facts.engine, facts.width,
-                              facts.height, facts.spp, facts.depth, facts.seed, facts.strict ? " --strict" : "");
+  facts.options =
+      fmt::format("--engine {} --accel {} --tree {} --triangle {} --size {}x{} --spp {} --depth {} --seed {}{}",
+                  facts.engine, given.accel, given.tree, given.triangle, facts.width, facts.height, facts.spp,
+                  facts.depth, facts.seed, facts.strict ? " --strict" : "");
   facts.notes = scene.notes;
   return facts;
 }
@@ -117,6 +147,13 @@ void check_outputs(const RenderArguments& given) {
   }
 }
 
+// Over the progress bar, if there is one; it is drawn again below.
+void print_lost_device(const std::string& message) {
+  constexpr std::size_t kWidestBar = 110;
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  fmt::print(stderr, "{}{:<{}}\n", terminal ? "\r" : "", "hemiray: warning: " + message, terminal ? kWidestBar : 0);
+}
+
 int run_render(const RenderArguments& given) {
   RenderOptions options = to_options(given);
   check_outputs(given);
@@ -127,9 +164,8 @@ int run_render(const RenderArguments& given) {
   if (!given.quiet) {
     for (const std::string& note : scene.notes) fmt::print(stderr, "hemiray: note: {}\n", note);
   }
-  Context context(choose_device(given.device));
-  context.profiler().keep_spans(!given.trace.empty());
-  RenderFacts facts = gather_facts(given, scene, options, context);
+  const std::vector<DeviceInfo> devices = choose_devices(given.device);
+  RenderFacts facts = gather_facts(given, scene, options, devices);
   facts.load_ms = (loaded - load_start) * 1e3;
 
   const InterruptGuard interrupt;
@@ -137,18 +173,20 @@ int run_render(const RenderArguments& given) {
   options.on_progress = [&progress](double fraction, double rate) { progress.update(fraction, rate); };
   options.on_first_pass = [&facts] { facts.first_pixel_s = seconds_since_process_start(); };
   options.should_stop = [&interrupt] { return interrupt.interrupted(); };
-  RenderResult result = render_scene(context, scene, options);
+  options.on_device_lost = print_lost_device;
+  options.keep_spans = !given.trace.empty();
+  RenderResult result = render_on_devices(devices, scene, options);
   progress.finish();
 
   facts.total_s = seconds_since_process_start();
   result.image.metadata = report_metadata(facts, result.statistics);
   write_exr(given.output, result.image);
   if (!given.png.empty()) write_png(given.png, result.image, "", given.exposure);
-  if (!given.trace.empty()) write_file_atomically(given.trace, report_trace(context.profiler().spans()));
+  if (!given.trace.empty()) write_file_atomically(given.trace, report_trace(result.statistics.devices));
   if (given.json) {
-    fmt::print("{}", report_json(facts, result.statistics));
+    std::fputs(report_json(facts, result.statistics).c_str(), stdout);  // main() tells what went wrong
   } else if (!given.quiet) {
-    fmt::print("{}", report_table(facts, result.statistics));
+    std::fputs(report_table(facts, result.statistics).c_str(), stdout);
   }
   if (result.statistics.interrupted) {
     fmt::print(stderr, "hemiray: interrupted after {} of {} samples; wrote {}\n", result.statistics.passes, given.spp,
@@ -168,7 +206,9 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option("--png", given->png, "Write an sRGB PNG of the beauty layer, too");
   command->add_option("--exposure", given->exposure, "Stops by which the PNG of --png is made brighter")
       ->check(CLI::Range(-64.0, 64.0));
-  command->add_option("--device", given->device, "Index, part of a name, cpu or gpu (default: HEMIRAY_DEVICE)");
+  command->add_option(
+      "--device", given->device,
+      "Index, part of a name, cpu, gpu, all, split:N (sub-devices), or a list with commas (default: HEMIRAY_DEVICE)");
   command->add_option("--engine", given->engine, "How paths are run; the pictures agree, with --strict to the bit")
       ->check(CLI::IsMember({"wavefront", "megakernel"}))
       ->capture_default_str();
@@ -177,6 +217,15 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option("--depth", given->depth, "Bounces of mirrors and glass, 0 to 64 (default: the scene's)")
       ->check(CLI::Range(0, 64));
   command->add_option("--seed", given->seed, "Seed of the random numbers")->capture_default_str();
+  command->add_option("--accel", given->accel, "Acceleration structure; all give the same hits")
+      ->check(CLI::IsMember({"bvh", "bvh2", "octree", "kdtree", "kdtree-median"}))
+      ->capture_default_str();
+  command->add_option("--tree", given->tree, "How the bvh is built: quality traces faster, fast builds faster")
+      ->check(CLI::IsMember({"quality", "fast"}))
+      ->capture_default_str();
+  command->add_option("--triangle", given->triangle, "Triangle test; watertight lets no ray slip between neighbours")
+      ->check(CLI::IsMember({"watertight", "fast"}))
+      ->capture_default_str();
   command->add_flag("--strict", given->strict, "Both engines give the same bits; some speed is lost");
   command->add_flag("--quiet", given->quiet, "Print nothing but errors");
   command->add_flag("--json", given->json, "Print statistics as JSON on stdout");

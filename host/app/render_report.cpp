@@ -30,6 +30,38 @@ double compile_ms(const RenderStatistics& s) {
   return sum;
 }
 
+double rays_of(const DeviceStatistics& d) { return static_cast<double>(d.rays.closest + d.rays.shadow); }
+
+double share_of(const DeviceStatistics& device, const RenderStatistics& s) {
+  double all = 0.0;
+  for (const DeviceStatistics& d : s.devices) all += static_cast<double>(d.samples);
+  return all > 0.0 ? static_cast<double>(device.samples) / all : 0.0;
+}
+
+// Per millisecond of work; 0 where there was none.
+double rays_per_ms(const DeviceStatistics& d) { return d.busy_ms > 0.0 ? rays_of(d) / d.busy_ms : 0.0; }
+
+nlohmann::json devices_json(const RenderStatistics& s) {
+  nlohmann::json devices = nlohmann::json::array();
+  for (const DeviceStatistics& d : s.devices) {
+    devices.push_back({{"index", d.index},
+                       {"name", d.name},
+                       {"platform", d.platform},
+                       {"driver", d.driver},
+                       {"tiles", d.tiles},
+                       {"samples", d.samples},
+                       {"share", share_of(d, s)},
+                       {"rays", {{"closest", d.rays.closest}, {"shadow", d.rays.shadow}}},
+                       {"busy_ms", d.busy_ms},
+                       {"mrays_per_s", rays_per_ms(d) * 1e-3},
+                       {"predicted_bytes", d.predicted_bytes},
+                       {"peak_bytes", d.peak_bytes},
+                       {"failed", !d.failure.empty()},
+                       {"failure", d.failure}});
+  }
+  return devices;
+}
+
 // Nothing was compiled: every program came from our cache or, where the driver keeps one, from the driver's.
 bool all_cached(const RenderStatistics& s) {
   return s.kernels_compiled == 0 &&
@@ -46,11 +78,21 @@ std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
   line("scene", fmt::format("{}: {} primitives, {} planes, {} lights, {} emitters", f.scene,
                             format_count(s.accel.primitives), s.planes, s.lights, format_count(s.emitters)));
   line("effects", fmt::format("{}", fmt::join(feature_names(s.features), " ")));
-  line("device", fmt::format("{} ({}), peak memory {}", f.device, f.platform, format_bytes(s.peak_device_bytes)));
+  if (s.devices.size() == 1) {
+    line("device", fmt::format("{} ({}), peak memory {}", f.device, f.platform, format_bytes(s.peak_device_bytes)));
+  } else {
+    for (const DeviceStatistics& d : s.devices) {
+      line("device", fmt::format("{} ({}), peak memory {}", d.name, d.platform, format_bytes(d.peak_bytes)));
+      const std::string rate = format_rate(rays_per_ms(d) * 1e3, "rays/s");
+      line("", fmt::format("  {} tiles, {:.1f} % of the samples, {}{}", d.tiles, share_of(d, s) * 100.0, rate,
+                           d.failure.empty() ? "" : ", FAILED"));
+    }
+  }
   line("picture", fmt::format("{} x {}, {} of {} samples, depth {}, {}{}", f.width, f.height, s.passes, f.spp, f.depth,
                               f.engine, f.strict ? ", strict" : ""));
   line("compile", fmt::format("{} ({})", format_duration(compile_ms(s) * 1e-3), all_cached(s) ? "cached" : "cold"));
-  line("build", fmt::format("{}, {}-bit Morton codes", format_duration(s.accel.build_ms * 1e-3), s.accel.morton_bits));
+  line("build", fmt::format("{}, {} nodes, {} blocks, {}-bit Morton codes", format_duration(s.accel.build_ms * 1e-3),
+                            format_count(s.accel.nodes), format_count(s.accel.blocks), s.accel.morton_bits));
   if (s.accel.non_finite + s.accel.degenerate > 0) {
     line("dropped",
          fmt::format("{} primitives that are not finite, {} without area", s.accel.non_finite, s.accel.degenerate));
@@ -92,6 +134,7 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
                                 {"notes", f.notes}}},
                               {"output", f.output},
                               {"device", {{"name", f.device}, {"platform", f.platform}, {"driver", f.driver}}},
+                              {"devices", devices_json(s)},
                               {"options",
                                {{"engine", f.engine},
                                 {"width", f.width},
@@ -107,6 +150,8 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
                               {"upload_ms", s.upload_ms},
                               {"build_ms", s.accel.build_ms},
                               {"morton_bits", s.accel.morton_bits},
+                              {"nodes", s.accel.nodes},
+                              {"blocks", s.accel.blocks},
                               {"compile_ms", compile_ms(s)},
                               {"compile_cached", all_cached(s)},
                               {"kernels_compiled", s.kernels_compiled},
@@ -122,19 +167,26 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
   return all.dump(2) + "\n";
 }
 
-std::string report_trace(const std::vector<TraceSpan>& spans) {
+std::string report_trace(const std::vector<DeviceStatistics>& devices) {
   nlohmann::json events = nlohmann::json::array();
-  for (const TraceSpan& span : spans) {
-    events.push_back({{"name", span.name},
-                      {"cat", span.category},
-                      {"ph", "X"},
-                      {"pid", 1},
-                      {"tid", span.category == "kernel" ? 2 : 1},
-                      {"ts", span.start_us},
-                      {"dur", span.duration_us}});
-  }
-  for (const auto& [id, name] : {std::pair{1, "host"}, std::pair{2, "device"}}) {
-    events.push_back({{"name", "thread_name"}, {"ph", "M"}, {"pid", 1}, {"tid", id}, {"args", {{"name", name}}}});
+  int process = 0;
+  for (const DeviceStatistics& device : devices) {
+    process++;
+    for (const TraceSpan& span : device.spans) {
+      events.push_back({{"name", span.name},
+                        {"cat", span.category},
+                        {"ph", "X"},
+                        {"pid", process},
+                        {"tid", span.category == "kernel" ? 2 : 1},
+                        {"ts", span.start_us},
+                        {"dur", span.duration_us}});
+    }
+    const auto name = [&events, process](const char* what, int thread, const std::string& value) {
+      events.push_back({{"name", what}, {"ph", "M"}, {"pid", process}, {"tid", thread}, {"args", {{"name", value}}}});
+    };
+    name("thread_name", 1, "host");
+    name("thread_name", 2, "device");
+    if (devices.size() > 1) name("process_name", 0, device.name);
   }
   return nlohmann::json{{"traceEvents", events}}.dump() + "\n";
 }

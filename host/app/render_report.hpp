@@ -14,7 +14,7 @@ namespace hemiray::app {
 struct RenderFacts {
   std::string scene;
   std::string output;
-  std::string device;
+  std::string device;  ///< several: joined by " + "; so are the other two
   std::string platform;
   std::string driver;
   std::string options;  ///< the command line's, as given
@@ -31,8 +31,8 @@ struct RenderFacts {
 
 std::string report_table(const RenderFacts& facts, const RenderStatistics& statistics);
 std::string report_json(const RenderFacts& facts, const RenderStatistics& statistics);
-/// Chrome's trace event format.
-std::string report_trace(const std::vector<TraceSpan>& spans);
+/// Chrome's trace event format; a process for each device.
+std::string report_trace(const std::vector<DeviceStatistics>& devices);
 /// What goes into the picture's header.
 std::map<std::string, std::string> report_metadata(const RenderFacts& facts, const RenderStatistics& statistics);
 

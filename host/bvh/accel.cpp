@@ -1,14 +1,23 @@
 #include "host/bvh/accel.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
+#include <cmath>
 #include <limits>
 
 namespace hemiray {
 namespace {
 
-// Up to here 30 bits tell primitives apart well enough and cost half the sorting.
-constexpr std::uint32_t kMaxShortCodes = 1U << 16U;
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+// Codes of 11 bits an axis sort in three passes. More bits tell apart what lies close together in large scenes, which
+// clustering makes up for.
+constexpr unsigned kMortonBits = 33;
+constexpr std::uint32_t kSweepDepth = 130;  // HR_SWEEP_DEPTH and
+constexpr std::uint32_t kArenaRows = 9;     // HR_ARENA_ROWS and
+constexpr std::uint32_t kArenaGuard = 32;   // HR_ARENA_GUARD of bvh/arena.h
+constexpr std::uint32_t kSmallChunk = 256;  // primitives that are not worth a work-item of their own
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -19,34 +28,81 @@ void grow(shared::float4& lo, shared::float4& hi, const shared::float4& part_lo,
   hi = {std::max(hi.x, part_hi.x), std::max(hi.y, part_hi.y), std::max(hi.z, part_hi.z), 0.0F};
 }
 
-}  // namespace
-
-AccelBuilder::AccelBuilder(Context& context, Parallel& parallel)
-    : context_(&context),
-      parallel_(&parallel),
-      program(context, "bvh", {"bvh/morton.cl", "bvh/lbvh_emit.cl", "bvh/refit.cl"}, ProgramOptions{}) {}
-
-Accel::Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions& options) {
-  const double start = now_ms();
-  const double compile_start = builder.context_->launch_compile_ms();
-  statistics_.morton_bits =
-      options.morton_bits != 0 ? options.morton_bits : (scene.primitive_count() <= kMaxShortCodes ? 30 : 63);
-  bound_primitives(builder, scene);
-  Buffer<std::uint64_t> keys(*builder.context_, "Morton codes", scene.primitive_count());
-  const Buffer<std::uint32_t> order = sort_primitives(builder, scene, keys);
-  emit_tree(builder, scene, keys, order);
-  builder.context_->finish();  // keys, order and the links must outlive the kernels
-  statistics_.build_ms = now_ms() - start - (builder.context_->launch_compile_ms() - compile_start);
+// Morton cells per metre along an axis; 0 where all centres agree.
+float cells_per_metre(float lo, float hi, unsigned axis_bits) {
+  const float extent = hi - lo;
+  if (!(extent > 0.0F)) return 0.0F;
+  return std::min(std::ldexp(1.0F, static_cast<int>(axis_bits)) / extent, std::numeric_limits<float>::max());
 }
 
-void Accel::bound_primitives(AccelBuilder& builder, const DeviceScene& scene) {
+// For a lattice of cubes: the scale of the longest axis for all three.
+shared::float4 cubic_scale(const shared::float4& scale) {
+  float least = 0.0F;
+  for (const float s : {scale.x, scale.y, scale.z}) least = s > 0.0F && (least == 0.0F || s < least) ? s : least;
+  return {least, least, least, 0.0F};
+}
+
+std::size_t arena_words(std::uint32_t capacity) { return std::size_t{kArenaRows} * (capacity + 2 * kArenaGuard); }
+
+}  // namespace
+
+AccelBuilder::AccelBuilder(Context& context, Parallel& parallel, bool keep_scratch)
+    : context_(&context),
+      parallel_(&parallel),
+      keep_scratch_(keep_scratch),
+      program_(context, "bvh", {"bvh/morton.cl", "bvh/radix_tree.cl", "bvh/agglomerate.cl"},
+               ProgramOptions{0, false, context.profile().explicit_vectors != 0 ? "" : "-DHR_EXPLICIT_VECTORS=0"}) {}
+
+std::vector<const Program*> AccelBuilder::programs() const {
+  std::vector<const Program*> all = {&program_};
+  for (const auto& [defines, program] : layout_programs_) all.push_back(&program);
+  for (const auto& [defines, program] : cell_programs_) all.push_back(&program);
+  return all;
+}
+
+Program& AccelBuilder::layout_program(const AccelConfig& config) {
+  const std::string defines = config.defines();
+  const auto found = layout_programs_.find(defines);
+  if (found != layout_programs_.end()) return found->second;
+  return layout_programs_
+      .emplace(defines, Program(*context_, "bvh_layout", {"bvh/collapse.cl", "bvh/emit_wide.cl", "bvh/refit.cl"},
+                                ProgramOptions{0, false, defines}))
+      .first->second;
+}
+
+Accel::Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions& given) : builder_(&builder) {
   Context& context = *builder.context_;
+  const AccelOptions options = complete_options(given, context.profile());
+  config_.width = options.width;
+  config_.leaf_lanes = options.leaf_lanes;
+  config_.watertight = options.triangle_test == TriangleTest::watertight;
+  config_.explicit_vectors = options.explicit_vectors != 0;
+  config_.kind = options.kind;
+  options_ = options;
+  const double start = now_ms();
+  const double compile_start = context.launch_compile_ms();
+  bound_primitives(scene);
+  if (options.kind != AccelKind::bvh) {
+    build_cells(scene, options);
+  } else if (statistics_.primitives == 0) {
+    make_empty();
+  } else {
+    sort_primitives(scene, options);
+    cluster(options);
+    collapse(scene, options);
+  }
+  statistics_.build_ms = now_ms() - start - (context.launch_compile_ms() - compile_start);
+}
+
+void Accel::bound_primitives(const DeviceScene& scene) {
+  Context& context = *builder_->context_;
+  AccelBuilder::Scratch& scratch = builder_->scratch_;
   const std::uint32_t chunks = context.profile().chunks;
-  Buffer<shared::BoundsPartial> partials(context, "bounds", chunks);
-  launch(context, builder.program.kernel("bvh_bound_primitives"), chunks,
+  const Buffer<shared::BoundsPartial> partials(context, "bounds", chunks);
+  builder_->ensure(scratch.boxes, "boxes", scene.primitive_count());
+  launch(context, builder_->program_.kernel("bvh_bound_primitives"), chunks,
          arguments(scene.geometry_arguments(), arg("primitive_count", scene.primitive_count()),
-                   arg("partials", partials)));
-  constexpr float kInf = std::numeric_limits<float>::infinity();
+                   arg("boxes", scratch.boxes), arg("partials", partials)));
   statistics_.lo = centroid_lo_ = {kInf, kInf, kInf, 0.0F};
   statistics_.hi = centroid_hi_ = {-kInf, -kInf, -kInf, 0.0F};
   for (const shared::BoundsPartial& part : partials.read()) {
@@ -58,71 +114,159 @@ void Accel::bound_primitives(AccelBuilder& builder, const DeviceScene& scene) {
   }
 }
 
-Buffer<std::uint32_t> Accel::sort_primitives(AccelBuilder& builder, const DeviceScene& scene,
-                                             Buffer<std::uint64_t>& keys) {
-  Context& context = *builder.context_;
-  Buffer<std::uint32_t> order(context, "primitive order", scene.primitive_count());
+void Accel::sort_primitives(const DeviceScene& scene, const AccelOptions& options) {
+  Context& context = *builder_->context_;
+  AccelBuilder::Scratch& scratch = builder_->scratch_;
+  const std::uint32_t count = scene.primitive_count();
+  index_bits_ = static_cast<unsigned>(std::bit_width(std::max(count, 2U) - 1));
+  const unsigned room = 63 - index_bits_;  // one bit more sorts dropped primitives behind all others
+  statistics_.morton_bits = std::min(options.morton_bits != 0 ? options.morton_bits : kMortonBits, room) / 3 * 3;
   const std::uint32_t axis_bits = statistics_.morton_bits / 3;
-  launch(context, builder.program.kernel("bvh_code_primitives"), context.profile().chunks,
-         arguments(scene.geometry_arguments(), arg("primitive_count", scene.primitive_count()),
-                   arg("centroid_lo", centroid_lo_), arg("centroid_hi", centroid_hi_), arg("axis_bits", axis_bits),
-                   arg("keys", keys), arg("values", order)));
-  // One bit more than the code: dropped primitives sort behind all others.
-  builder.parallel_->sort(keys, order, scene.primitive_count(), statistics_.morton_bits + 1);
-  return order;
+  shared::float4 scale = {cells_per_metre(centroid_lo_.x, centroid_hi_.x, axis_bits),
+                          cells_per_metre(centroid_lo_.y, centroid_hi_.y, axis_bits),
+                          cells_per_metre(centroid_lo_.z, centroid_hi_.z, axis_bits), 0.0F};
+  if (options.kind != AccelKind::bvh) scale = cubic_scale(scale);
+  builder_->ensure(scratch.keys, "Morton codes", count);
+  builder_->ensure(scratch.keys_other, "Morton codes", count);
+  launch(context, builder_->program_.kernel("bvh_code_primitives"), context.profile().chunks,
+         arguments(arg("boxes", scratch.boxes), arg("primitive_count", count), arg("centroid_lo", centroid_lo_),
+                   arg("scale", scale), arg("axis_bits", axis_bits), arg("index_bits", std::uint32_t{index_bits_}),
+                   arg("keys", scratch.keys)));
+  const bool some_dropped = statistics_.primitives < count;
+  builder_->parallel_->sort(scratch.keys, scratch.keys_other, count, index_bits_,
+                            statistics_.morton_bits + (some_dropped ? 1 : 0));
 }
 
-void Accel::emit_tree(AccelBuilder& builder, const DeviceScene& scene, const Buffer<std::uint64_t>& keys,
-                      const Buffer<std::uint32_t>& order) {
-  Context& context = *builder.context_;
+void Accel::cluster(const AccelOptions& options) {
+  Context& context = *builder_->context_;
+  AccelBuilder::Scratch& scratch = builder_->scratch_;
+  const DeviceProfile& profile = context.profile();
   const std::uint32_t count = statistics_.primitives;
-  const std::uint32_t inner = std::max(count, 2U) - 1;
-  nodes_ = Buffer<shared::BvhNode>(context, "bvh_nodes", inner);
-  leaves_ = Buffer<shared::BvhLeaf>(context, "bvh_leaves", std::max(count, 1U));
-  Buffer<std::uint32_t> node_parents(context, "node parents", inner);
-  Buffer<std::uint32_t> leaf_parents(context, "leaf parents", std::max(count, 1U));
-  Buffer<std::uint32_t> flags(context, "refit flags", inner);
-  launch(context, builder.program.kernel("bvh_emit_nodes"), inner,
-         arguments(arg("keys", keys), arg("nodes", nodes_), arg("node_parents", node_parents),
-                   arg("leaf_parents", leaf_parents), arg("flags", flags), arg("count", count)));
-  launch(context, builder.program.kernel("bvh_refit_nodes"), std::max(count, 1U),
-         arguments(scene.geometry_arguments(), arg("order", order), arg("leaves", leaves_), arg("nodes", nodes_),
-                   arg("node_parents", node_parents), arg("leaf_parents", leaf_parents), arg("flags", flags),
-                   arg("count", count)));
+  const std::uint32_t groups = std::clamp(count / kSmallChunk, 1U, profile.cluster_chunks);
+  const bool merge = options.builder == TreeBuilder::quality;
+  const std::uint32_t limit = merge ? profile.cluster_limit : 1;
+  const std::uint32_t keep = merge ? profile.cluster_keep : 1;
+  // Ranges that reach over chunk ends have their nodes made by the join, which numbers them from `count` on.
+  const std::uint32_t join_capacity =
+      static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{groups} * kSweepDepth * limit, count));
+  const std::uint32_t arena_capacity = (kSweepDepth + 1) * limit;
+  builder_->ensure(scratch.binary, "binary tree", std::size_t{count} + join_capacity);
+  builder_->ensure(scratch.arenas, "cluster arenas", groups * arena_words(arena_capacity));
+  builder_->ensure(scratch.join_arena, "cluster arenas", arena_words(join_capacity));
+  builder_->ensure(scratch.pending, "pending ranges", std::size_t{groups} * kSweepDepth);
+  builder_->ensure(scratch.pending_count, "pending ranges", groups);
+  builder_->ensure(scratch.root, "root", 1);
+  const Arguments common = arguments(arg("count", count), arg("nodes", scratch.binary), arg("arenas", scratch.arenas),
+                                     arg("arena_capacity", arena_capacity), arg("pending", scratch.pending),
+                                     arg("pending_count", scratch.pending_count));
+  const Arguments sorted = arguments(common, arg("keys", scratch.keys), arg("index_bits", std::uint32_t{index_bits_}),
+                                     arg("boxes", scratch.boxes));
+  const Arguments limits = arguments(arg("limit", limit), arg("keep", keep));
+  if (merge) {
+    launch(context, builder_->program_.kernel("bvh_cluster_chunks"), groups, arguments(sorted, limits));
+  } else {
+    launch(context, builder_->program_.kernel("bvh_radix_chunks"), groups, sorted);
+  }
+  launch(context, builder_->program_.kernel("bvh_join_chunks"), 1,
+         arguments(common, limits, arg("join_arena", scratch.join_arena), arg("join_capacity", join_capacity),
+                   arg("groups", groups), arg("root", scratch.root)));
+  context.finish();
+  builder_->release(scratch.keys);
+  builder_->release(scratch.keys_other);
+  builder_->release(scratch.boxes);
+  builder_->release(scratch.arenas);
+  builder_->release(scratch.join_arena);
+}
+
+void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
+  Context& context = *builder_->context_;
+  AccelBuilder::Scratch& scratch = builder_->scratch_;
+  Program& program = builder_->layout_program(config_);  // the stack is not known yet: the default
+  const std::uint32_t count = statistics_.primitives;
+  const std::uint32_t target = std::clamp(count / kSmallChunk, 2U, context.profile().collapse_regions);
+  const std::uint32_t most_regions = target + config_.width + 1;
+  // As many nodes as the regions' bounds add up to (bvh_collapse_top).
+  const std::size_t draft_nodes = (count - 1) / std::min(config_.width - 1, options.max_leaf) + most_regions + 1;
+  builder_->ensure(scratch.draft, "draft nodes", draft_nodes * config_.node_words());
+  builder_->ensure(scratch.descriptors, "leaf blocks", 2 * std::size_t{count});
+  builder_->ensure(scratch.totals, "tree totals", 4);
+  Buffer<std::uint32_t> leaf_order(context, "leaf order", count);
+  regions_ = Buffer<shared::CollapseRegion>(context, "regions", most_regions);
+  const Arguments common =
+      arguments(arg("binary", scratch.binary), arg("draft_nodes", scratch.draft), arg("leaf_order", leaf_order),
+                arg("descriptors", scratch.descriptors), arg("regions", regions_), arg("totals", scratch.totals),
+                arg("max_leaf", std::uint32_t{options.max_leaf}));
+  launch(context, program.kernel("bvh_collapse_top"), 1,
+         arguments(common, arg("root", scratch.root), arg("primitives", count), arg("lo", statistics_.lo),
+                   arg("hi", statistics_.hi), arg("target", target), arg("min_primitives", kSmallChunk)));
+  launch(context, program.kernel("bvh_collapse_regions"), most_regions, common);
+  launch(context, program.kernel("bvh_place_regions"), 1,
+         arguments(arg("regions", regions_), arg("totals", scratch.totals)));
+  const std::vector<std::uint32_t> totals = scratch.totals.read(0, 4);
+  builder_->release(scratch.binary);
+  region_count_ = totals[0];
+  statistics_.nodes = totals[1];
+  statistics_.blocks = totals[2];
+  statistics_.references = count;
+  statistics_.stack_depth = totals[3];
+  config_.stack = stack_size_for(totals[3]);
+  nodes_ = Buffer<float>(context, "accel_nodes", statistics_.nodes * config_.node_words());
+  blocks_ = Buffer<float>(context, "accel_blocks", statistics_.blocks * config_.block_words());
+  const Arguments regions = arguments(arg("regions", regions_), arg("region_count", region_count_));
+  launch(context, program.kernel("bvh_emit_nodes"), region_count_,
+         arguments(regions, arg("draft_nodes", scratch.draft), arg("accel_nodes", nodes_)));
+  launch(context, program.kernel("bvh_emit_blocks"), region_count_,
+         arguments(regions, scene.geometry_arguments(), arg("leaf_order", leaf_order),
+                   arg("descriptors", scratch.descriptors), arg("accel_blocks", blocks_)));
+  context.finish();
+  builder_->release(scratch.draft);
+  builder_->release(scratch.descriptors);
+}
+
+// A tree without primitives: one node without children.
+void Accel::make_empty() {
+  Context& context = *builder_->context_;
+  std::vector<float> node(config_.node_words(), 0.0F);
+  const unsigned w = config_.width;
+  for (unsigned i = 0; i < w; i++) {
+    for (unsigned axis = 0; axis < 3; axis++) {
+      node[(2 * axis) * w + i] = kInf;
+      node[(2 * axis + 1) * w + i] = -kInf;
+    }
+    node[HR_NODE_CHILD_ROW * w + i] = std::bit_cast<float>(-1);
+  }
+  nodes_ = Buffer<float>(context, "accel_nodes", std::span<const float>(node));
+  blocks_ = Buffer<float>(context, "accel_blocks", config_.block_words());
+  statistics_.nodes = 1;
+  statistics_.stack_depth = 1;
+  config_.stack = stack_size_for(1);
+}
+
+void Accel::refit(const DeviceScene& scene) {
+  if (config_.kind != AccelKind::bvh) {
+    statistics_ = {};
+    bound_primitives(scene);
+    return build_cells(scene, options_);
+  }
+  if (statistics_.primitives == 0) return;
+  Context& context = *builder_->context_;
+  AccelConfig built = config_;
+  built.stack = AccelConfig{}.stack;
+  Kernel& kernel = builder_->layout_program(built).kernel("bvh_refit_regions");
+  const auto run = [&](std::uint32_t first, std::uint32_t count) {
+    launch(context, kernel, count,
+           arguments(scene.geometry_arguments(), arg("regions", regions_), arg("first_region", first),
+                     arg("region_count", first + count), arg("accel_nodes", nodes_), arg("accel_blocks", blocks_)));
+  };
+  if (region_count_ > 1) run(1, region_count_ - 1);
+  run(0, 1);
   context.finish();
 }
 
-Arguments Accel::tree_arguments() const { return arguments(arg("bvh_nodes", nodes_), arg("bvh_leaves", leaves_)); }
+Arguments Accel::tree_arguments() const { return arguments(arg("accel_nodes", nodes_), arg("accel_blocks", blocks_)); }
 
-RayQueries::RayQueries(Context& context, const DeviceScene& scene, const Accel& accel, bool strict)
-    : context_(&context),
-      scene_(&scene),
-      accel_(&accel),
-      program_(context, "query", {"bvh/query.cl"}, ProgramOptions{scene.features(), strict}) {}
-
-template <typename Result>
-std::vector<Result> RayQueries::ask(const char* kernel, const char* result_name,
-                                    std::span<const shared::QueryRay> rays) {
-  if (rays.empty()) return {};
-  const Buffer<shared::QueryRay> device_rays(*context_, "rays", rays);
-  const Buffer<Result> results(*context_, result_name, rays.size());
-  shared::RenderParams params{};
-  params.triangle_count = scene_->triangle_count();
-  params.sphere_count = scene_->sphere_count();
-  params.plane_count = scene_->plane_count();
-  launch(*context_, program_.kernel(kernel), rays.size(),
-         arguments(scene_->shading_arguments(), accel_->tree_arguments(), arg("rays", device_rays),
-                   arg(result_name, results), arg("count", static_cast<std::uint32_t>(rays.size())),
-                   arg("params", params)));
-  return results.read();
-}
-
-std::vector<shared::QueryHit> RayQueries::intersect(std::span<const shared::QueryRay> rays) {
-  return ask<shared::QueryHit>("query_intersect", "hits", rays);
-}
-
-std::vector<std::uint32_t> RayQueries::occluded(std::span<const shared::QueryRay> rays) {
-  return ask<std::uint32_t>("query_occluded", "occluded", rays);
+ProgramOptions Accel::program_options(std::uint32_t features, bool strict) const {
+  return {features, strict, config_.defines()};
 }
 
 }  // namespace hemiray

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "host/bvh/accel_config.hpp"
 #include "host/gpu/buffer.hpp"
 #include "host/gpu/parallel.hpp"
 #include "host/gpu/program.hpp"
@@ -18,77 +18,107 @@
 
 namespace hemiray {
 
-struct AccelOptions {
-  /// Bits of the Morton codes: 30 or 63; 0 chooses by the number of primitives.
-  unsigned morton_bits = 0;
-};
-
 /// What the build found and made.
 struct AccelStatistics {
   std::uint32_t primitives = 0;  ///< in the tree
   std::uint32_t non_finite = 0;  ///< dropped: NaN or infinite
   std::uint32_t degenerate = 0;  ///< dropped: no area or radius
   unsigned morton_bits = 0;
-  shared::float4 lo{}, hi{};  ///< bounds [m]; lo > hi if there is no primitive
-  double build_ms = 0.0;      ///< wall time without compilation
+  std::uint32_t nodes = 0;        ///< of `width` children
+  std::uint32_t blocks = 0;       ///< of the leaves
+  std::uint32_t stack_depth = 0;  ///< most entries a traversal's stack can hold
+  std::uint32_t references = 0;   ///< of primitives in leaves: more than primitives in trees of cells
+  std::uint32_t depth = 0;        ///< of trees of cells: cuts above the deepest leaf
+  shared::float4 lo{}, hi{};      ///< bounds [m]; lo > hi if there is no primitive
+  double build_ms = 0.0;          ///< wall time from triangles to what can be traced, without compilation
 };
 
-/// The program that builds trees, compiled once a context and shared by all of them.
+/// The programs that build trees, compiled once a context, and the memory they work in.
 class AccelBuilder {
  public:
-  AccelBuilder(Context& context, Parallel& parallel);
+  /// `keep_scratch`: the working memory stays for the next build (rebuilding, measuring); else each build frees it.
+  AccelBuilder(Context& context, Parallel& parallel, bool keep_scratch = false);
+
+  /// All programs so far: for their statistics.
+  [[nodiscard]] std::vector<const Program*> programs() const;
 
  private:
   friend class Accel;
+
+  struct Scratch {
+    Buffer<shared::Box> boxes;
+    Buffer<std::uint64_t> keys, keys_other;
+    Buffer<shared::BinaryNode> binary;
+    Buffer<float> arenas, join_arena, draft;
+    Buffer<shared::int2> pending;
+    Buffer<std::uint32_t> pending_count, descriptors, totals;
+    Buffer<std::int32_t> root;
+  };
+
+  /// Makes sure that the buffer has at least `size` elements.
+  template <typename T>
+  Buffer<T>& ensure(Buffer<T>& buffer, const char* name, std::size_t size) {
+    if (buffer.name().empty() || buffer.size() < size) {
+      buffer = Buffer<T>();
+      buffer = Buffer<T>(*context_, name, size);
+    }
+    return buffer;
+  }
+  template <typename T>
+  void release(Buffer<T>& buffer) {
+    if (!keep_scratch_) buffer = Buffer<T>();
+  }
+  Program& layout_program(const AccelConfig& config);
+  Program& cell_program(const AccelConfig& config);  // host/bvh/cell_trees.cpp
+
   Context* context_;
   Parallel* parallel_;
-
- public:
-  Program program;  ///< "bvh": exposed for its statistics and cache
+  bool keep_scratch_;
+  Program program_;
+  std::map<std::string, Program> layout_programs_;  ///< by the configuration's defines
+  std::map<std::string, Program> cell_programs_;
+  Scratch scratch_;
 };
 
-/// A binary BVH (Karras 2012) over a scene's triangles and spheres. The DeviceScene must outlive it.
+/// A BVH, or a tree of cells, over a scene's triangles and spheres, wholly built on the device. The DeviceScene and the
+/// builder must outlive it. The same scene and options give the same bytes.
 class Accel {
  public:
-  /// Bounds, Morton codes, radix sort, emission, refit: 5 + 3 per 8 bits launches. Throws DeviceError.
+  /// Bounds, Morton codes, radix sort, binary tree, collapse, leaf blocks. Throws DeviceError, InputError.
   Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions& options = {});
 
+  /// New boxes and leaf geometry after the scene's vertices moved; the tree's shape stays, so a query answers as after
+  /// a rebuild, only slower; a tree of cells is rebuilt. A primitive that was dropped stays out; one that becomes NaN
+  /// is met by no ray.
+  void refit(const DeviceScene& scene);
+
   [[nodiscard]] const AccelStatistics& statistics() const { return statistics_; }
-  /// bvh_nodes and bvh_leaves, for kernels that trace.
+  [[nodiscard]] const AccelConfig& config() const { return config_; }
+  /// accel_nodes and accel_blocks, for kernels that trace.
   [[nodiscard]] Arguments tree_arguments() const;
-  [[nodiscard]] const Buffer<shared::BvhNode>& nodes() const { return nodes_; }
-  [[nodiscard]] const Buffer<shared::BvhLeaf>& leaves() const { return leaves_; }
+  /// Options for a program whose kernels trace through this tree.
+  [[nodiscard]] ProgramOptions program_options(std::uint32_t features, bool strict) const;
+  [[nodiscard]] const Buffer<float>& nodes() const { return nodes_; }
+  [[nodiscard]] const Buffer<float>& blocks() const { return blocks_; }
 
  private:
-  void bound_primitives(AccelBuilder& builder, const DeviceScene& scene);
-  Buffer<std::uint32_t> sort_primitives(AccelBuilder& builder, const DeviceScene& scene, Buffer<std::uint64_t>& keys);
-  void emit_tree(AccelBuilder& builder, const DeviceScene& scene, const Buffer<std::uint64_t>& keys,
-                 const Buffer<std::uint32_t>& order);
+  void bound_primitives(const DeviceScene& scene);
+  void sort_primitives(const DeviceScene& scene, const AccelOptions& options);
+  void cluster(const AccelOptions& options);
+  void collapse(const DeviceScene& scene, const AccelOptions& options);
+  void make_empty();
+  void build_cells(const DeviceScene& scene, const AccelOptions& options);  // host/bvh/cell_trees.cpp
 
+  AccelBuilder* builder_;
   AccelStatistics statistics_;
+  AccelConfig config_;
+  AccelOptions options_;
   shared::float4 centroid_lo_{}, centroid_hi_{};
-  Buffer<shared::BvhNode> nodes_;
-  Buffer<shared::BvhLeaf> leaves_;
-};
-
-/// Answers ray queries for arrays of rays against one scene and its tree, which must outlive it.
-class RayQueries {
- public:
-  RayQueries(Context& context, const DeviceScene& scene, const Accel& accel, bool strict = false);
-
-  /// Closest hit of each ray in its (t_min, t_max). Ties in t go to the smaller primitive index.
-  [[nodiscard]] std::vector<shared::QueryHit> intersect(std::span<const shared::QueryRay> rays);
-  /// 1 for each ray that meets anything, else 0.
-  [[nodiscard]] std::vector<std::uint32_t> occluded(std::span<const shared::QueryRay> rays);
-
- private:
-  template <typename Result>
-  std::vector<Result> ask(const char* kernel, const char* result_name, std::span<const shared::QueryRay> rays);
-
-  Context* context_;
-  const DeviceScene* scene_;
-  const Accel* accel_;
-  Program program_;
+  unsigned index_bits_ = 1;
+  std::uint32_t region_count_ = 0;
+  Buffer<shared::CollapseRegion> regions_;
+  Buffer<float> nodes_;
+  Buffer<float> blocks_;
 };
 
 }  // namespace hemiray

@@ -10,6 +10,7 @@
 
 #include "host/gpu/cl_error.hpp"
 #include "host/gpu/context.hpp"
+#include "host/gpu/host_memory.hpp"
 
 namespace hemiray {
 
@@ -23,7 +24,11 @@ class Buffer {
       : context_(&context), name_(std::move(name)), size_(size), bytes_(std::max<std::size_t>(size, 1) * sizeof(T)) {
     context.account_allocation(bytes_, name_);
     try {
-      cl_guard("allocating " + name_, [this] { handle_ = cl::Buffer(context_->handle(), CL_MEM_READ_WRITE, bytes_); });
+      if (context.device().kind == DeviceKind::cpu && bytes_ >= kHugeMemoryBytes) memory_ = allocate_huge(bytes_);
+      cl_guard("allocating " + name_, [this] {
+        const cl_mem_flags flags = CL_MEM_READ_WRITE | (memory_ ? CL_MEM_USE_HOST_PTR : 0);
+        handle_ = cl::Buffer(context_->handle(), flags, bytes_, memory_.get());
+      });
     } catch (...) {
       context.account_release(bytes_);
       throw;
@@ -84,6 +89,7 @@ class Buffer {
     std::swap(name_, other.name_);
     std::swap(size_, other.size_);
     std::swap(bytes_, other.bytes_);
+    std::swap(memory_, other.memory_);
     std::swap(handle_, other.handle_);
   }
 
@@ -91,6 +97,7 @@ class Buffer {
   std::string name_;
   std::size_t size_ = 0;
   std::size_t bytes_ = 0;
+  HostMemory memory_;  ///< of large buffers on CPU devices; outlives the handle
   cl::Buffer handle_;
 };
 

@@ -9,7 +9,7 @@
 
 namespace hemiray {
 
-Context::Context(const DeviceInfo& device) : device_(device), profile_(profile_for(device)) {
+Context::Context(const DeviceInfo& device, const DeviceProfile& profile) : device_(device), profile_(profile) {
   cl_guard("opening device " + device.name, [this] {
     context_ = cl::Context(device_.handle);
     queue_ = cl::CommandQueue(context_, device_.handle, CL_QUEUE_PROFILING_ENABLE);

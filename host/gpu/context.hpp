@@ -14,7 +14,9 @@ namespace hemiray {
 class Context {
  public:
   /// Throws DeviceError if the device cannot be opened.
-  explicit Context(const DeviceInfo& device);
+  explicit Context(const DeviceInfo& device) : Context(device, profile_for(device)) {}
+  /// The same with another profile than the device's own, to try it out.
+  Context(const DeviceInfo& device, const DeviceProfile& profile);
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
   Context(Context&&) = delete;

@@ -68,18 +68,18 @@ bool matches(const DeviceInfo& device, const std::string& selector) {
   return false;
 }
 
+}  // namespace
+
+std::string to_string(DeviceKind kind) {
+  return kind == DeviceKind::cpu ? "cpu" : kind == DeviceKind::gpu ? "gpu" : "other";
+}
+
 std::string names_of(const std::vector<DeviceInfo>& devices) {
   std::string names;
   for (const DeviceInfo& device : devices) {
     names += fmt::format("{}{} {} ({})", names.empty() ? "" : "; ", device.index, device.name, device.platform);
   }
   return names;
-}
-
-}  // namespace
-
-std::string to_string(DeviceKind kind) {
-  return kind == DeviceKind::cpu ? "cpu" : kind == DeviceKind::gpu ? "gpu" : "other";
 }
 
 std::vector<DeviceInfo> list_devices() {
@@ -110,14 +110,13 @@ std::vector<DeviceInfo> list_devices() {
   return devices;
 }
 
-DeviceInfo choose_device(const std::string& selector_given) {
-  std::string selector = selector_given;
-  std::string place = "--device";
-  if (selector.empty()) {
-    if (const char* environment = std::getenv("HEMIRAY_DEVICE")) selector = environment;
-    place = "HEMIRAY_DEVICE";
-  }
-  selector = lower(selector);
+DeviceInfo choose_device(const std::string& selector) {
+  const char* environment = selector.empty() ? std::getenv("HEMIRAY_DEVICE") : nullptr;
+  return environment != nullptr ? choose_device(environment, "HEMIRAY_DEVICE") : choose_device(selector, "--device");
+}
+
+DeviceInfo choose_device(const std::string& selector_given, const std::string& place) {
+  const std::string selector = lower(selector_given);
   const std::vector<DeviceInfo> devices = list_devices();
   if (std::none_of(devices.begin(), devices.end(), [](const DeviceInfo& d) { return d.usable; })) {
     throw DeviceError(

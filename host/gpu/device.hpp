@@ -29,6 +29,8 @@ struct DeviceInfo {
   bool rounds_divide_correctly = false;  ///< single precision divide and square root
   bool usable = true;
   std::string why_not;  ///< where not usable
+  int part = 0;         ///< 1, 2, ...: this sub-device of device `index`; 0: the whole device
+  int parts = 1;        ///< sub-devices in all
   cl::Device handle;
 };
 
@@ -40,6 +42,12 @@ std::vector<DeviceInfo> list_devices();
 /// case does not matter).
 /// Throws DeviceError if there is no usable device at all (naming the package to install), InputError if none matches.
 DeviceInfo choose_device(const std::string& selector);
+
+/// The same for a selector that is not from the environment; errors name `place` ("--device").
+DeviceInfo choose_device(const std::string& selector, const std::string& place);
+
+/// "0 pthread-haswell (Portable Computing Language); 1 ...": how messages list devices.
+std::string names_of(const std::vector<DeviceInfo>& devices);
 
 std::string to_string(DeviceKind kind);
 

@@ -1,37 +1,52 @@
-// What kernels are tuned by: one table per device class.
+// What kernels are tuned by: one table per device class, overridden by a file.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <string>
 
 #include "host/gpu/device.hpp"
 
 namespace hemiray {
 
+/// Every number of the profile, once: FIELD(name, default, least, most, what it is).
+#define HR_PROFILE_FIELDS(FIELD)                                                                              \
+  FIELD(local_size, 64, 1, 1024, "work-group size of item-a-thing kernels (compiled in)")                     \
+  FIELD(chunks, 16, 1, 65536, "work-items of chunked kernels (sort, bounds)")                                 \
+  FIELD(chunk_local_size, 1, 1, 1024, "their work-group size")                                                \
+  FIELD(queue_chunks, 16, 1, 65536, "work-items of queue compaction")                                         \
+  FIELD(wave_slots, 65536, 64, 1U << 26U, "paths in flight")                                                  \
+  FIELD(bvh_width, 8, 2, 8, "children a node: 2, 4 or 8")                                                     \
+  FIELD(leaf_lanes, 8, 1, 8, "primitives a block of a leaf: 1, 2, 4 or 8")                                    \
+  FIELD(max_leaf, 8, 1, 120, "primitives a leaf, at most 15 blocks")                                          \
+  FIELD(explicit_vectors, 1, 0, 1, "1: the lanes of nodes and blocks are vectors of one work-item; 0: loops") \
+  FIELD(cluster_chunks, 8, 1, 4096, "work-items that cluster the sorted primitives")                          \
+  FIELD(cluster_limit, 32, 2, 64, "clusters a range of the tree may hold before neighbours are merged")       \
+  FIELD(cluster_keep, 16, 1, 64, "clusters left then")                                                        \
+  FIELD(collapse_regions, 256, 2, 65536, "work-items that collapse the binary tree")                          \
+  FIELD(rays_per_item, 1, 1, 4096, "rays a work-item of a single-ray query traces")                           \
+  FIELD(packet_groups, 4, 1, 8, "vectors of rays a packet has")
+
 struct DeviceProfile {
-  std::uint32_t local_size = 64;       ///< work-group size of item-a-thing kernels (compiled in)
-  std::uint32_t chunks = 16;           ///< work-items of chunked kernels (sort, bounds)
-  std::uint32_t chunk_local_size = 1;  ///< their work-group size
-  std::uint32_t queue_chunks = 16;     ///< work-items of queue compaction
-  std::uint32_t wave_slots = 65536;    ///< paths in flight
+#define HR_MEMBER(name, value, least, most, what) std::uint32_t name = value;
+  HR_PROFILE_FIELDS(HR_MEMBER)
+#undef HR_MEMBER
   /// The driver caches machine code itself, keyed by the source text, and would compile once more for a binary: then
   /// hemiray's program cache is left out.
   bool has_own_cache = false;
 };
 
-/// CPUs want few large chunks and waves that stay in the cache; GPUs want thousands of items in flight.
-inline DeviceProfile profile_for(const DeviceInfo& device) {
-  DeviceProfile profile;
-  profile.has_own_cache = device.platform == "Portable Computing Language";
-  if (device.kind == DeviceKind::gpu) {
-    profile.chunks = 2048;
-    profile.chunk_local_size = 32;
-    profile.queue_chunks = 2048;
-    profile.wave_slots = 1U << 20U;
-  } else {
-    profile.chunks = static_cast<std::uint32_t>(device.compute_units) * 4;
-    profile.queue_chunks = profile.chunks;
-  }
-  return profile;
-}
+/// The table of the device's class: CPUs want few large chunks and waves that stay in the cache, GPUs thousands of
+/// items in flight.
+DeviceProfile class_profile(const DeviceInfo& device);
+
+/// class_profile(), with what the file named by the environment's HEMIRAY_PROFILE says of this device on top:
+///   {"profiles": [{"device": "part of a name", "bvh_width": 4, ...}, ...]}
+/// later entries over earlier ones; no "device": any. Throws InputError for a file that cannot be read, an unknown key
+/// or a number out of range.
+DeviceProfile profile_for(const DeviceInfo& device);
+
+/// The fields as a JSON object, with the device's name: one entry of such a file.
+std::string profile_json(const DeviceInfo& device, const DeviceProfile& profile);
 
 }  // namespace hemiray

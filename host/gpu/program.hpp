@@ -50,6 +50,7 @@ struct Kernel {
 struct ProgramOptions {
   std::uint32_t features = 0;  ///< effect mask, HR_FEATURES
   bool strict = false;         ///< same bits from every engine: no contraction, own elementary functions
+  std::string defines{};       ///< more options, "-DNAME=value ..."
 };
 
 /// Kernels from one or more files of kernels/, compiled for the context's device, or taken from the cache.

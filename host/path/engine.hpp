@@ -39,8 +39,9 @@ class PathEngine {
   [[nodiscard]] virtual Program& program() = 0;
 };
 
-/// `slots` paths in flight, each with at most `depth` pending branches.
-std::unique_ptr<PathEngine> make_engine(EngineKind kind, Context& context, Parallel& parallel, std::uint32_t features,
-                                        bool strict, std::uint32_t slots, int depth);
+/// `slots` paths in flight, each with at most `depth` pending branches; `options` are the tree's
+/// (Accel::program_options).
+std::unique_ptr<PathEngine> make_engine(EngineKind kind, Context& context, Parallel& parallel,
+                                        const ProgramOptions& options, std::uint32_t slots, int depth);
 
 }  // namespace hemiray

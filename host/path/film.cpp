@@ -19,8 +19,20 @@ Layer take(const std::string& name, std::vector<std::string> channels, const std
 
 }  // namespace
 
+GeometryLayers::GeometryLayers(Context& context, int width, int height) {
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  normal_depth_ = {context, "aov_normal_depth", pixels};
+  normal_depth_.clear();
+  albedo_object_ = {context, "aov_albedo_object", pixels};
+  albedo_object_.clear();
+}
+
+Arguments GeometryLayers::arguments() const {
+  return hemiray::arguments(arg("aov_normal_depth", normal_depth_), arg("aov_albedo_object", albedo_object_));
+}
+
 Film::Film(Context& context, std::uint32_t features, int width, int height)
-    : context_(&context), width_(width), height_(height) {
+    : context_(&context), width_(width), height_(height), geometry_(context, width, height) {
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   direct_ = {context, "film_direct", pixels};
   direct_.clear();
@@ -32,10 +44,6 @@ Film::Film(Context& context, std::uint32_t features, int width, int height)
     refraction_ = {context, "film_refraction", pixels};
     refraction_.clear();
   }
-  normal_depth_ = {context, "aov_normal_depth", pixels};
-  normal_depth_.clear();
-  albedo_object_ = {context, "aov_albedo_object", pixels};
-  albedo_object_.clear();
 }
 
 void Film::accumulate(Kernel& kernel, const PathSums& sums, std::uint32_t first_pixel, std::uint32_t count) {
@@ -46,21 +54,23 @@ void Film::accumulate(Kernel& kernel, const PathSums& sums, std::uint32_t first_
          arguments(sums.as_arguments(), film, arg("first_pixel", first_pixel), arg("count", count)));
 }
 
-Arguments Film::aov_arguments() const {
-  return arguments(arg("aov_normal_depth", normal_depth_), arg("aov_albedo_object", albedo_object_));
+Image Film::develop(int passes) const {
+  FilmData data{
+      width_, height_, direct_.read(), {}, {}, geometry_.normal_depth().read(), geometry_.albedo_object().read()};
+  if (!reflection_.name().empty()) data.reflection = reflection_.read();
+  if (!refraction_.name().empty()) data.refraction = refraction_.read();
+  return hemiray::develop(data, passes);
 }
 
-Image Film::develop(int passes) const {
+Image develop(const FilmData& data, int passes) {
   const float scale = passes > 0 ? 1.0F / static_cast<float>(passes) : 0.0F;
-  const std::vector<shared::float4> direct = direct_.read();
-  const std::vector<shared::float4> none(direct.size(), shared::float4{});
-  const std::vector<shared::float4> reflection = reflection_.name().empty() ? none : reflection_.read();
-  const std::vector<shared::float4> refraction = refraction_.name().empty() ? none : refraction_.read();
-  const std::vector<shared::float4> normal_depth = normal_depth_.read();
-  const std::vector<shared::float4> albedo_object = albedo_object_.read();
+  const std::vector<shared::real4>& direct = data.direct;
+  const std::vector<shared::real4> none(direct.size(), shared::real4{});
+  const std::vector<shared::real4>& reflection = data.reflection.empty() ? none : data.reflection;
+  const std::vector<shared::real4>& refraction = data.refraction.empty() ? none : data.refraction;
   Image image;
-  image.width = width_;
-  image.height = height_;
+  image.width = data.width;
+  image.height = data.height;
   const std::vector<std::string> rgb = {"R", "G", "B"};
   Layer beauty{"", {"R", "G", "B", "A"}, {}};
   beauty.data.reserve(direct.size() * 4);
@@ -71,10 +81,10 @@ Image Film::develop(int passes) const {
     beauty.data.push_back(direct[i].w * scale);
   }
   image.layers.push_back(std::move(beauty));
-  image.layers.push_back(take("depth", {"Z"}, normal_depth, 3, 1.0F));
-  image.layers.push_back(take("normal", {"X", "Y", "Z"}, normal_depth, 0, 1.0F));
-  image.layers.push_back(take("albedo", rgb, albedo_object, 0, 1.0F));
-  image.layers.push_back(take("id", {"id"}, albedo_object, 3, 1.0F));
+  image.layers.push_back(take("depth", {"Z"}, data.normal_depth, 3, 1.0F));
+  image.layers.push_back(take("normal", {"X", "Y", "Z"}, data.normal_depth, 0, 1.0F));
+  image.layers.push_back(take("albedo", rgb, data.albedo_object, 0, 1.0F));
+  image.layers.push_back(take("id", {"id"}, data.albedo_object, 3, 1.0F));
   image.layers.push_back(take("direct", rgb, direct, 0, scale));
   image.layers.push_back(take("reflection", rgb, reflection, 0, scale));
   image.layers.push_back(take("refraction", rgb, refraction, 0, scale));

@@ -4,13 +4,12 @@
 
 namespace hemiray {
 
-MegakernelEngine::MegakernelEngine(Context& context, std::uint32_t features, bool strict, std::uint32_t slots,
-                                   int depth)
+MegakernelEngine::MegakernelEngine(Context& context, const ProgramOptions& options, std::uint32_t slots, int depth)
     : context_(&context),
       slots_(slots),
-      program_(context, "megakernel", {"path/megakernel.cl", "film/accumulate.cl"}, ProgramOptions{features, strict}),
-      sums_(context, features, slots),
-      branches_(context, features, slots, depth),
+      program_(context, "megakernel", {"path/megakernel.cl", "film/accumulate.cl"}, options),
+      sums_(context, options.features, slots),
+      branches_(context, options.features, slots, depth),
       ray_counts_(context, "ray_counts", slots) {}
 
 RayCounts MegakernelEngine::trace(shared::RenderParams params, std::uint32_t count, const Arguments& given) {
@@ -26,12 +25,12 @@ RayCounts MegakernelEngine::trace(shared::RenderParams params, std::uint32_t cou
   return total;
 }
 
-std::unique_ptr<PathEngine> make_engine(EngineKind kind, Context& context, Parallel& parallel, std::uint32_t features,
-                                        bool strict, std::uint32_t slots, int depth) {
+std::unique_ptr<PathEngine> make_engine(EngineKind kind, Context& context, Parallel& parallel,
+                                        const ProgramOptions& options, std::uint32_t slots, int depth) {
   if (kind == EngineKind::megakernel) {
-    return std::make_unique<MegakernelEngine>(context, features, strict, slots, depth);
+    return std::make_unique<MegakernelEngine>(context, options, slots, depth);
   }
-  return std::make_unique<WavefrontEngine>(context, parallel, features, strict, slots, depth);
+  return std::make_unique<WavefrontEngine>(context, parallel, options, slots, depth);
 }
 
 }  // namespace hemiray

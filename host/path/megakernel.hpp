@@ -10,7 +10,7 @@ namespace hemiray {
 
 class MegakernelEngine final : public PathEngine {
  public:
-  MegakernelEngine(Context& context, std::uint32_t features, bool strict, std::uint32_t slots, int depth);
+  MegakernelEngine(Context& context, const ProgramOptions& options, std::uint32_t slots, int depth);
 
   RayCounts trace(shared::RenderParams params, std::uint32_t count, const Arguments& arguments) override;
   [[nodiscard]] const PathSums& sums() const override { return sums_; }

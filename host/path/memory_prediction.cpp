@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "host/bvh/accel_memory.hpp"
 #include "host/scene/features.hpp"
-#include "shared/bvh_types.h"
 #include "shared/path_state.def"
 
 namespace hemiray {
@@ -61,12 +61,9 @@ std::uint64_t predict_render_bytes(const FlatScene& flat, std::uint32_t features
   const std::uint64_t primitives = std::max<std::uint64_t>(flat.triangles.size() + flat.spheres.size(), 1);
   const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   const std::uint64_t slots = std::min<std::uint64_t>(pixels, profile.wave_slots);
-  constexpr std::uint64_t kTree = sizeof(shared::BvhNode) + sizeof(shared::BvhLeaf);
-  constexpr std::uint64_t kBuild = 8 + 4 + 3 * 4;  // Morton code, order, parents of node and leaf, flag
-  const std::uint64_t build = primitives * (kTree + kBuild);
-  const std::uint64_t trace =
-      primitives * kTree + pixels * pixel_bytes(features) + slots * slot_bytes(features, engine, depth);
-  return scene_bytes(flat, features) + std::max(build, trace);
+  const AccelMemory accel = predict_accel_bytes(primitives, AccelOptions{}, profile);
+  const std::uint64_t trace = accel.tree + pixels * pixel_bytes(features) + slots * slot_bytes(features, engine, depth);
+  return scene_bytes(flat, features) + std::max(accel.peak, trace);
 }
 
 }  // namespace hemiray

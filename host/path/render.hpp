@@ -1,4 +1,4 @@
-// A scene rendered on a device: Whitted ray tracing, start to finished picture.
+// A scene rendered on one device or several: Whitted ray tracing, start to finished picture.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include "host/bvh/accel.hpp"
 #include "host/gpu/context.hpp"
 #include "host/path/engine.hpp"
+#include "host/path/tile_queue.hpp"
 #include "host/scene/scene.hpp"
 
 namespace hemiray {
@@ -27,6 +28,13 @@ struct RenderOptions {
   std::function<void(double fraction, double rays_per_second)> on_progress;  ///< after each wave
   std::function<void()> on_first_pass;  ///< when the first sample of every pixel is done
   std::function<bool()> should_stop;    ///< asked after each pass; true ends the render with what is there
+
+  // Where several devices share the work. All callbacks but before_tile come on the thread that renders.
+  std::uint32_t tile_pixels = 0;  ///< at most so many pixels a tile; 0: as many as suit the device
+  bool keep_spans = false;        ///< fills DeviceStatistics::spans
+  std::function<void(const std::string& message)> on_device_lost;  ///< a device failed; the others do its tiles
+  /// Called by a device's own thread before it traces a tile; what it throws is as if the device had thrown it.
+  std::function<void(std::size_t device, const Tile& tile)> before_tile;
 };
 
 struct ProgramStatistics {
@@ -36,6 +44,21 @@ struct ProgramStatistics {
   bool cached = false;  ///< from hemiray's cache, or left to the driver's own
 };
 
+/// One device's share of a render.
+struct DeviceStatistics {
+  int index = 0;
+  std::string name;  ///< "NAME", or "NAME, part 1 of 2"
+  std::string platform, driver;
+  std::uint64_t tiles = 0;    ///< whose sums counted
+  std::uint64_t samples = 0;  ///< pixel samples in these
+  RayCounts rays;             ///< in these
+  double busy_ms = 0.0;       ///< spent on these, without compilation
+  double compile_ms = 0.0;    ///< by the driver, on kernels at their first launch while tracing
+  std::uint64_t predicted_bytes = 0, peak_bytes = 0;
+  std::string failure;  ///< why it was dropped; empty if it was not
+  std::vector<TraceSpan> spans;
+};
+
 struct RenderStatistics {
   std::uint32_t features = 0;
   AccelStatistics accel;
@@ -43,23 +66,31 @@ struct RenderStatistics {
   RayCounts rays;
   int passes = 0;
   bool interrupted = false;
-  double upload_ms = 0.0;            ///< flattening the scene and copying it to the device
-  double trace_ms = 0.0;             ///< wall time of all passes without compilation
-  double launch_compile_ms = 0.0;    ///< spent by the driver on kernels at their first launch
-  std::size_t kernels_compiled = 0;  ///< of these, how many it really compiled
-  std::vector<ProgramStatistics> programs;
-  std::vector<StageTime> stages;
+  double upload_ms = 0.0;                   ///< flattening the scene and copying it to the device (the slowest)
+  double trace_ms = 0.0;                    ///< wall time of all passes without compilation
+  double launch_compile_ms = 0.0;           ///< spent by the driver on kernels at their first launch
+  std::size_t kernels_compiled = 0;         ///< of these, how many it really compiled
+  std::vector<ProgramStatistics> programs;  ///< of all devices, one after the other
+  std::vector<StageTime> stages;            ///< sums over the devices
   std::uint64_t predicted_device_bytes = 0;
   std::uint64_t peak_device_bytes = 0;
+  std::vector<DeviceStatistics> devices;
 };
 
 struct RenderResult {
-  Image image;  ///< layers as Film::develop() says; metadata empty
+  Image image;  ///< layers as develop() says; metadata empty
   RenderStatistics statistics;
 };
 
 /// Renders `scene` on the context's device. Throws InputError for options out of range, DeviceError if the device fails
 /// or is too small. Compiled kernels are in the cache afterwards.
 RenderResult render_scene(Context& context, const Scene& scene, const RenderOptions& options);
+
+/// Renders `scene` on all these devices at once, one thread each; one device is as render_scene(). Tiles go to the
+/// devices by what each delivers; the picture has the bits it has on one device of the same kind. A device that does
+/// not have the memory, or fails, is dropped (on_device_lost) and its tiles are done by the others. Throws InputError
+/// for options out of range, DeviceError if no device is left.
+RenderResult render_on_devices(const std::vector<DeviceInfo>& devices, const Scene& scene,
+                               const RenderOptions& options);
 
 }  // namespace hemiray

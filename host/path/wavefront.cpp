@@ -44,17 +44,16 @@ WavefrontEngine::StateArrays::StateArrays(Context& context, std::uint32_t featur
 #undef HR_ADD_FIELD
 }
 
-WavefrontEngine::WavefrontEngine(Context& context, Parallel& parallel, std::uint32_t features, bool strict,
+WavefrontEngine::WavefrontEngine(Context& context, Parallel& parallel, const ProgramOptions& options,
                                  std::uint32_t slots, int depth)
     : context_(&context),
       parallel_(&parallel),
-      features_(features),
+      features_(options.features),
       slots_(slots),
-      program_(context, "wavefront", {"path/queue.cl", "path/wavefront.cl", "film/accumulate.cl"},
-               ProgramOptions{features, strict}),
-      sums_(context, features, slots),
-      state_(context, features, slots),
-      branches_(context, features, slots, depth),
+      program_(context, "wavefront", {"path/queue.cl", "path/wavefront.cl", "film/accumulate.cl"}, options),
+      sums_(context, features_, slots),
+      state_(context, features_, slots),
+      branches_(context, features_, slots, depth),
       next_stage_(context, "next_stage", slots),
       queue_(context, "queue", slots),
       queue_other_(context, "queue", slots),

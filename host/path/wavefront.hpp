@@ -12,8 +12,7 @@ namespace hemiray {
 
 class WavefrontEngine final : public PathEngine {
  public:
-  WavefrontEngine(Context& context, Parallel& parallel, std::uint32_t features, bool strict, std::uint32_t slots,
-                  int depth);
+  WavefrontEngine(Context& context, Parallel& parallel, const ProgramOptions& options, std::uint32_t slots, int depth);
 
   RayCounts trace(shared::RenderParams params, std::uint32_t count, const Arguments& arguments) override;
   [[nodiscard]] const PathSums& sums() const override { return sums_; }

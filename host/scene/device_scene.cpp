@@ -57,7 +57,7 @@ Arguments DeviceScene::geometry_arguments() const {
 
 Arguments DeviceScene::shading_arguments() const {
   Arguments all;
-  const Buffer<int> bvh_nodes_, bvh_leaves_;  // in the list, but the tree's owner adds them: empty here
+  const Buffer<int> accel_nodes_, accel_blocks_;  // in the list, but the tree's owner adds them: empty here
   const auto bind = [&](std::uint32_t feature, const char* name, const auto& buffer) {
     const bool is_tree = buffer.name().empty();
     if (has_feature(features_, feature) && !is_tree) all.push_back(arg(name, buffer));

@@ -1,34 +1,39 @@
-// First steps of the tree: the scene's bounds, then each primitive's place along the Z-order curve
+// First steps of the tree: boxes and the scene's bounds, then each primitive's place along the Z-order curve
 // (Karras 2012, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees").
+#include "lib/chunk.h"
 #include "lib/primitive.h"
 
-static inline uint bvh_chunk_begin(uint n, uint g, uint groups) { return (uint)((ulong)n * g / groups); }
-
-#define HR_GEOMETRY_PARAMETERS                                                    \
-  global const float *restrict positions, global const uint4 *restrict triangles, \
-      global const Sphere *restrict spheres, const uint triangle_count, const uint primitive_count
-
-// partials[g] = bounds of the valid primitives of chunk g and how many are valid or dropped. Launch: G items.
-kernel void bvh_bound_primitives(HR_GEOMETRY_PARAMETERS, global BoundsPartial* restrict partials) {
+// boxes[i] = bounds of primitive i (empty if it is dropped); partials[g] = bounds of the valid primitives of chunk g
+// and how many are valid or dropped. Launch: G items.
+kernel void bvh_bound_primitives(global const float* restrict positions, global const uint4* restrict triangles,
+                                 global const Sphere* restrict spheres, const uint triangle_count,
+                                 const uint primitive_count, global Box* restrict boxes,
+                                 global BoundsPartial* restrict partials) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
+  const Box empty = {(float4)(INFINITY), (float4)(-INFINITY)};
   BoundsPartial p;
-  p.lo = (float4)(INFINITY);
-  p.hi = (float4)(-INFINITY);
+  p.lo = empty.lo;
+  p.hi = empty.hi;
   p.centroid_lo = p.lo;
   p.centroid_hi = p.hi;
   p.valid = 0;
   p.non_finite = 0;
   p.degenerate = 0;
   p.pad = 0;
-  const uint end = bvh_chunk_begin(primitive_count, g + 1, groups);
-  for (uint i = bvh_chunk_begin(primitive_count, g, groups); i < end; i++) {
-    const BvhLeaf leaf = load_primitive(positions, triangles, spheres, triangle_count, i);
-    const uint status = primitive_status(leaf, i < triangle_count);
+  const uint end = chunk_begin(primitive_count, g + 1, groups);
+  for (uint i = chunk_begin(primitive_count, g, groups); i < end; i++) {
+    const bool is_triangle = i < triangle_count;
+    const Primitive primitive = load_primitive(positions, triangles, spheres, triangle_count, i);
+    const Box box = primitive_box(primitive, is_triangle);
+    const uint status = primitive_status(primitive, is_triangle, box);
     p.valid += status == HR_PRIMITIVE_VALID;
     p.non_finite += status == HR_PRIMITIVE_NON_FINITE;
     p.degenerate += status == HR_PRIMITIVE_DEGENERATE;
-    if (status != HR_PRIMITIVE_VALID) continue;
-    const Box box = primitive_box(leaf, i < triangle_count);
+    if (status != HR_PRIMITIVE_VALID) {
+      boxes[i] = empty;
+      continue;
+    }
+    boxes[i] = box;
     const float4 centroid = 0.5f * box.lo + 0.5f * box.hi;
     p.lo = min(p.lo, box.lo);
     p.hi = max(p.hi, box.hi);
@@ -48,27 +53,25 @@ static inline ulong spread_bits(uint x) {
   return (v | v << 2) & 0x1249249249249249ul;
 }
 
-// keys[i] = Morton code of primitive i's box centre with `axis_bits` (10 or 21) bits an axis, x highest; a dropped
-// primitive gets 1 << 3 axis_bits, beyond every code, and so sorts to the end. values[i] = i. Launch: G items.
-kernel void bvh_code_primitives(HR_GEOMETRY_PARAMETERS, const float4 centroid_lo, const float4 centroid_hi,
-                                const uint axis_bits, global ulong* restrict keys, global uint* restrict values) {
+// keys[i] = Morton code of primitive i's box centre with `axis_bits` bits an axis, x highest, above i itself in the low
+// `index_bits`: keys differ, and sorting them moves one array. A dropped primitive has the code 1 << 3 axis_bits,
+// beyond all others. scale = cells an axis / extent, 0 for an axis without extent. Launch: G items.
+kernel void bvh_code_primitives(global const Box* restrict boxes, const uint primitive_count, const float4 centroid_lo,
+                                const float4 scale, const uint axis_bits, const uint index_bits,
+                                global ulong* restrict keys) {
+#pragma OPENCL FP_CONTRACT OFF
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
-  const float cells = (float)(1u << axis_bits);
-  const float4 extent = centroid_hi - centroid_lo;
-  const uint last = (1u << axis_bits) - 1;
-  const uint end = bvh_chunk_begin(primitive_count, g + 1, groups);
-  for (uint i = bvh_chunk_begin(primitive_count, g, groups); i < end; i++) {
-    const BvhLeaf leaf = load_primitive(positions, triangles, spheres, triangle_count, i);
-    values[i] = i;
-    if (primitive_status(leaf, i < triangle_count) != HR_PRIMITIVE_VALID) {
-      keys[i] = 1ul << (3 * axis_bits);
+  const float4 last = (float4)((float)((1u << axis_bits) - 1));
+  const uint end = chunk_begin(primitive_count, g + 1, groups);
+  for (uint i = chunk_begin(primitive_count, g, groups); i < end; i++) {
+    const Box box = boxes[i];
+    if (!(box.lo.x <= box.hi.x)) {
+      keys[i] = (1ul << (3 * axis_bits)) << index_bits | i;
       continue;
     }
-    const Box box = primitive_box(leaf, i < triangle_count);
-    const float4 relative = (0.5f * box.lo + 0.5f * box.hi) - centroid_lo;
-    const uint x = extent.x > 0 ? min((uint)(relative.x / extent.x * cells), last) : 0;
-    const uint y = extent.y > 0 ? min((uint)(relative.y / extent.y * cells), last) : 0;
-    const uint z = extent.z > 0 ? min((uint)(relative.z / extent.z * cells), last) : 0;
-    keys[i] = spread_bits(x) << 2 | spread_bits(y) << 1 | spread_bits(z);
+    // min and max with the limit first: what is not a number becomes the limit.
+    const float4 cell = max((float4)(0.0f), min(last, (0.5f * box.lo + 0.5f * box.hi - centroid_lo) * scale));
+    const ulong code = spread_bits((uint)cell.x) << 2 | spread_bits((uint)cell.y) << 1 | spread_bits((uint)cell.z);
+    keys[i] = code << index_bits | i;
   }
 }

@@ -1,82 +1,69 @@
-// Boxes bottom-up: each leaf climbs, and at every inner node the second child to arrive goes on (Karras 2012, section
-// 4).
+// New geometry in an old tree, after vertices moved: blocks by the primitives they hold, then boxes bottom-up. A
+// region's children come behind their parents, so one item goes through its nodes from the last to the first; the top,
+// which refers to all other regions, comes after them in a launch of its own.
+#include "lib/accel_layout.h"
+#include "lib/block_write.h"
 #include "lib/primitive.h"
+#include "shared/bvh_types.h"
 
-#ifndef HR_LOCAL_SIZE
-#define HR_LOCAL_SIZE 64
-#endif
-
-#define HR_NO_PARENT 0xffffffffu
-
-// The arrival counter orders the sibling's box before its reader: with OpenCL 2 atomics by acquire and release, else by
-// a fence on both sides and volatile access, which OpenCL 1.2 devices honour.
-#if defined(__opencl_c_atomic_order_acq_rel) && defined(__opencl_c_atomic_scope_device)
-static inline uint arrive(volatile global uint* flag) {
-  return atomic_fetch_add_explicit((volatile global atomic_uint*)flag, 1u, memory_order_acq_rel, memory_scope_device);
-}
-#else
-static inline uint arrive(volatile global uint* flag) {
-  mem_fence(CLK_GLOBAL_MEM_FENCE);
-  const uint before = atomic_inc(flag);
-  mem_fence(CLK_GLOBAL_MEM_FENCE);
-  return before;
-}
-#endif
-
-// A node is 16 floats: x of left lo, left hi, right lo, right hi, then y, then z, then the references.
-static inline void write_box(volatile global float* node, uint side, Box box) {
-  node[2 * side] = box.lo.x;
-  node[2 * side + 1] = box.hi.x;
-  node[4 + 2 * side] = box.lo.y;
-  node[4 + 2 * side + 1] = box.hi.y;
-  node[8 + 2 * side] = box.lo.z;
-  node[8 + 2 * side + 1] = box.hi.z;
-}
-
-static inline Box read_box(volatile global const float* node, uint side) {
-  Box box;
-  box.lo = (float4)(node[2 * side], node[4 + 2 * side], node[8 + 2 * side], 0.0f);
-  box.hi = (float4)(node[2 * side + 1], node[4 + 2 * side + 1], node[8 + 2 * side + 1], 0.0f);
+static inline Box primitive_bounds(global const float* positions, global const uint4* triangles,
+                                   global const Sphere* spheres, uint triangle_count, uint primitive) {
+  const bool is_triangle = primitive < triangle_count;
+  const Primitive p = load_primitive(positions, triangles, spheres, triangle_count, primitive);
+  Box box = primitive_box(p, is_triangle);
+  if (primitive_status(p, is_triangle, box) == HR_PRIMITIVE_NON_FINITE) {
+    box.lo = (float4)(INFINITY);
+    box.hi = (float4)(-INFINITY);
+  }
   return box;
 }
 
-// Writes the leaf records in Morton order and all boxes. order[i] = primitive of leaf i. With count = 0 it writes the
-// leaf of NaNs that no ray meets. Launch: max(count, 1) items, rounded up to the local size; flags must be zero.
-kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void bvh_refit_nodes(
-    global const float* restrict positions, global const uint4* restrict triangles,
-    global const Sphere* restrict spheres, const uint triangle_count, global const uint* restrict order,
-    global BvhLeaf* restrict leaves, global float* nodes, global const uint* restrict node_parents,
-    global const uint* restrict leaf_parents, global uint* flags, const uint count) {
-  const uint i = (uint)get_global_id(0);
-  if (i >= max(count, 1u)) return;
-  BvhLeaf leaf;
-  Box box;
-  if (count == 0) {
-    leaf.a = (float4)(NAN, NAN, NAN, as_float(HR_NO_PRIMITIVE));
-    leaf.b = (float4)(NAN);
-    leaf.c = (float4)(NAN);
-    box.lo = (float4)(0.0f);
-    box.hi = (float4)(0.0f);
-  } else {
-    const uint primitive = order[i];
-    leaf = load_primitive(positions, triangles, spheres, triangle_count, primitive);
-    box = primitive_box(leaf, primitive < triangle_count);
+// Region first_region + g: its blocks and boxes. Launch: one item a region.
+kernel void bvh_refit_regions(global const float* restrict positions, global const uint4* restrict triangles,
+                              global const Sphere* restrict spheres, const uint triangle_count,
+                              global const CollapseRegion* restrict regions, const uint first_region,
+                              const uint region_count, global float* accel_nodes, global float* restrict accel_blocks) {
+  const uint g = first_region + (uint)get_global_id(0);
+  if (g >= region_count) return;
+  const CollapseRegion region = regions[g];
+  for (uint b = 0; b < region.blocks; b++) {
+    global float* block = accel_blocks + (ulong)(region.final_block + b) * (HR_BLOCK_ROWS * HR_L);
+    for (uint lane = 0; lane < HR_L; lane++) {
+      const uint primitive = ((global const uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L + lane];
+      if (primitive == HR_NO_PRIMITIVE) continue;
+      const Primitive p = load_primitive(positions, triangles, spheres, triangle_count, primitive);
+      write_lane(block, lane, p, primitive < triangle_count, primitive);
+    }
   }
-  leaves[i] = leaf;
-  volatile global float* floats = nodes;
-  if (count <= 1) {
-    write_box(floats, 0, box);
-    write_box(floats, 1, box);
-    return;
-  }
-  uint parent = leaf_parents[i];
-  while (parent != HR_NO_PARENT) {
-    const uint node = parent >> 1, side = parent & 1u;
-    write_box(floats + 16 * (ulong)node, side, box);
-    if (arrive(&flags[node]) == 0) return;
-    const Box sibling = read_box(floats + 16 * (ulong)node, 1 - side);
-    box.lo = min(box.lo, sibling.lo);
-    box.hi = max(box.hi, sibling.hi);
-    parent = node_parents[node];
+  for (uint n = region.nodes; n-- > 0;) {
+    global float* node = accel_nodes + (ulong)(region.final_node + n) * HR_NODE_WORDS(HR_W);
+    for (uint i = 0; i < HR_W; i++) {
+      const int child = ((global const int*)node)[HR_NODE_CHILD_ROW * HR_W + i];
+      Box box = {(float4)(INFINITY), (float4)(-INFINITY)};
+      if (child >= 0) {
+        global const float* below = accel_nodes + (ulong)child * HR_NODE_WORDS(HR_W);
+        for (uint k = 0; k < HR_W; k++) {
+          box.lo = min(box.lo, (float4)(below[k], below[2 * HR_W + k], below[4 * HR_W + k], 0.0f));
+          box.hi = max(box.hi, (float4)(below[HR_W + k], below[3 * HR_W + k], below[5 * HR_W + k], 0.0f));
+        }
+      } else if (child != -1) {
+        const uint leaf = (uint)~child;
+        global const uint* primitives = (global const uint*)accel_blocks + (ulong)(leaf >> 4) * (HR_BLOCK_ROWS * HR_L) +
+                                        HR_BLOCK_PRIMITIVE_ROW * HR_L;
+        for (uint k = 0; k < (leaf & 15u) * HR_L; k++) {
+          const uint primitive = primitives[k / HR_L * (HR_BLOCK_ROWS * HR_L) + k % HR_L];
+          if (primitive == HR_NO_PRIMITIVE) continue;
+          const Box one = primitive_bounds(positions, triangles, spheres, triangle_count, primitive);
+          box.lo = min(box.lo, one.lo);
+          box.hi = max(box.hi, one.hi);
+        }
+      }
+      node[i] = box.lo.x;
+      node[HR_W + i] = box.hi.x;
+      node[2 * HR_W + i] = box.lo.y;
+      node[3 * HR_W + i] = box.hi.y;
+      node[4 * HR_W + i] = box.lo.z;
+      node[5 * HR_W + i] = box.hi.z;
+    }
   }
 }

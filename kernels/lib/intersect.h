@@ -21,6 +21,7 @@ typedef struct Ray {
   // Shear that maps the direction to (0, 0, 1) (Woop, Benthin, Wald 2013).
   int kx, ky, kz;
   real sx, sy, sz;
+  real3 shear_origin;  // origin along kx, ky, kz
 } Ray;
 
 typedef struct Hit {
@@ -52,45 +53,63 @@ static inline Ray make_ray(real3 origin, real3 direction, real t_min, real t_max
   r.sz = 1 / dz;
   r.sx = pick(direction, r.kx) * r.sz;
   r.sy = pick(direction, r.ky) * r.sz;
+  r.shear_origin = (real3)(pick(origin, r.kx), pick(origin, r.ky), pick(origin, r.kz));
   return r;
 }
 
-// Which of a node's two boxes the ray meets before t_far; *t_near is where it enters them. Subtract first, multiply
+// The same, as one box from lo to hi [m]: enters it at *t_near if it meets it before t_far. Subtract first, multiply
 // after: fma(plane, inverse, -origin * inverse) loses rays far from the origin.
-static inline int2 intersect_boxes(const Ray* ray, const BvhNode* node, real t_far, real2* t_near) {
+static inline bool intersect_box(const Ray* ray, real3 lo, real3 hi, real t_far, real* t_near) {
 #pragma OPENCL FP_CONTRACT OFF
-  const real4 x = (real4)(node->x.x, node->x.y, node->x.z, node->x.w) - ray->origin.x;
-  const real4 y = (real4)(node->y.x, node->y.y, node->y.z, node->y.w) - ray->origin.y;
-  const real4 z = (real4)(node->z.x, node->z.y, node->z.z, node->z.w) - ray->origin.z;
-  const real4 tx = x * ray->inverse.x, ty = y * ray->inverse.y, tz = z * ray->inverse.z;
-  const real2 near_x = min(tx.xz, tx.yw), near_y = min(ty.xz, ty.yw), near_z = min(tz.xz, tz.yw);
-  const real2 far_x = max(tx.xz, tx.yw), far_y = max(ty.xz, ty.yw), far_z = max(tz.xz, tz.yw);
-  *t_near = max(max(near_x, near_y), max(near_z, (real2)(ray->t_min)));
-  const real2 t_exit = min(min(far_x, far_y), min(far_z, (real2)(t_far))) * HR_SLAB_PAD;
-  return *t_near <= t_exit;
+  const real3 t_lo = (lo - ray->origin) * ray->inverse;
+  const real3 t_hi = (hi - ray->origin) * ray->inverse;
+  const real3 t_in = min(t_lo, t_hi), t_out = max(t_lo, t_hi);
+  *t_near = max(max(ray->t_min, t_in.x), max(t_in.y, t_in.z));
+  return *t_near <= min(min(t_out.x, t_out.y), min(t_out.z, t_far)) * HR_SLAB_PAD;
 }
 
 // Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". Products are rounded alike on both sides of a
 // shared edge, so an edge function's sign is right or zero, and zero counts as inside: no ray slips between neighbours.
+// The scalar twin of block_candidates() in leaf_block.h, operation for operation.
 static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c, real* t, real* u, real* v) {
 #pragma OPENCL FP_CONTRACT OFF
-  const real3 pa = a - ray->origin;
-  const real3 pb = b - ray->origin;
-  const real3 pc = c - ray->origin;
-  const real az = pick(pa, ray->kz), bz = pick(pb, ray->kz), cz = pick(pc, ray->kz);
-  const real ax = fma(-ray->sx, az, pick(pa, ray->kx)), ay = fma(-ray->sy, az, pick(pa, ray->ky));
-  const real bx = fma(-ray->sx, bz, pick(pb, ray->kx)), by = fma(-ray->sy, bz, pick(pb, ray->ky));
-  const real cx = fma(-ray->sx, cz, pick(pc, ray->kx)), cy = fma(-ray->sy, cz, pick(pc, ray->ky));
+  const real az = pick(a, ray->kz) - ray->shear_origin.z;
+  const real bz = pick(b, ray->kz) - ray->shear_origin.z;
+  const real cz = pick(c, ray->kz) - ray->shear_origin.z;
+  const real ax = fma(-ray->sx, az, pick(a, ray->kx) - ray->shear_origin.x);
+  const real ay = fma(-ray->sy, az, pick(a, ray->ky) - ray->shear_origin.y);
+  const real bx = fma(-ray->sx, bz, pick(b, ray->kx) - ray->shear_origin.x);
+  const real by = fma(-ray->sy, bz, pick(b, ray->ky) - ray->shear_origin.y);
+  const real cx = fma(-ray->sx, cz, pick(c, ray->kx) - ray->shear_origin.x);
+  const real cy = fma(-ray->sy, cz, pick(c, ray->ky) - ray->shear_origin.y);
   const real wa = cx * by - cy * bx;
   const real wb = ax * cy - ay * cx;
   const real wc = bx * ay - by * ax;
-  const bool inside = (wa >= 0 && wb >= 0 && wc >= 0) || (wa <= 0 && wb <= 0 && wc <= 0);
+  const bool inside = min(min(wa, wb), wc) >= 0 || max(max(wa, wb), wc) <= 0;
   const real det = wa + wb + wc;
   if (!inside || det == 0) return false;
-  const real scaled_t = wa * (ray->sz * az) + wb * (ray->sz * bz) + wc * (ray->sz * cz);
-  *t = scaled_t / det;
-  *u = wb / det;
-  *v = wc / det;
+  const real inverse_det = 1 / det;
+  *t = ray->sz * fma(wa, az, fma(wb, bz, wc * cz)) * inverse_det;
+  *u = wb * inverse_det;
+  *v = wc * inverse_det;
+  return *t > ray->t_min;
+}
+
+// The fast test: volumes of the ray with the triangle's edges (Möller and Trumbore 1997; Kensler and Shirley 2006),
+// from vertex a and the edges e1 = a - b, e2 = c - a. Edges of neighbours are rounded apart: rays can slip between
+// them.
+static inline bool intersect_triangle_fast(const Ray* ray, real3 a, real3 e1, real3 e2, real* t, real* u, real* v) {
+  const real3 n = cross3(e2, e1);
+  const real3 o = a - ray->origin;
+  const real3 r = cross3(o, ray->direction);
+  const real det = dot3(n, ray->direction);
+  const real sign = det < 0 ? -REAL(1.0) : REAL(1.0), size = fabs(det);
+  const real su = dot3(r, e2) * sign, sv = dot3(r, e1) * sign;
+  if (!(su >= 0 && sv >= 0 && su + sv <= size && size > 0)) return false;
+  const real inverse_det = 1 / size;
+  *t = dot3(n, o) * sign * inverse_det;
+  *u = su * inverse_det;
+  *v = sv * inverse_det;
   return *t > ray->t_min;
 }
 

@@ -1,4 +1,4 @@
-// A primitive of the scene as leaf record and box; what is not finite or has no area does not go into the tree.
+// A primitive of the scene as record and box; what is not finite or has no area does not go into the tree.
 #ifndef HR_LIB_PRIMITIVE_H
 #define HR_LIB_PRIMITIVE_H
 
@@ -11,10 +11,12 @@
 #define HR_PRIMITIVE_NON_FINITE 1u
 #define HR_PRIMITIVE_DEGENERATE 2u
 
-typedef struct Box {
-  float4 lo;
-  float4 hi;
-} Box;
+// Triangle: vertices a, b, c. Sphere: a = centre, b.x = radius. [m]
+typedef struct Primitive {
+  float4 a;
+  float4 b;
+  float4 c;
+} Primitive;
 
 static inline bool is_finite4(float4 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
 
@@ -22,59 +24,68 @@ static inline float4 vertex_at(global const float* positions, uint i) {
   return (float4)(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2], 0.0f);
 }
 
-static inline BvhLeaf load_primitive(global const float* positions, global const uint4* triangles,
-                                     global const Sphere* spheres, uint triangle_count, uint primitive) {
-  BvhLeaf leaf;
+static inline Primitive load_primitive(global const float* positions, global const uint4* triangles,
+                                       global const Sphere* spheres, uint triangle_count, uint primitive) {
+  Primitive p;
   if (primitive < triangle_count) {
     const uint4 i = triangles[primitive];
-    leaf.a = vertex_at(positions, i.x);
-    leaf.b = vertex_at(positions, i.y);
-    leaf.c = vertex_at(positions, i.z);
+    p.a = vertex_at(positions, i.x);
+    p.b = vertex_at(positions, i.y);
+    p.c = vertex_at(positions, i.z);
   } else {
     const float4 s = spheres[primitive - triangle_count].center_radius;
-    leaf.a = (float4)(s.x, s.y, s.z, 0.0f);
-    leaf.b = (float4)(s.w, 0.0f, 0.0f, 0.0f);
-    leaf.c = (float4)(0.0f);
+    p.a = (float4)(s.x, s.y, s.z, 0.0f);
+    p.b = (float4)(s.w, 0.0f, 0.0f, 0.0f);
+    p.c = (float4)(0.0f);
   }
-  leaf.a.w = as_float(primitive);
-  return leaf;
+  return p;
 }
 
 // The box of a sphere is rounded outwards by an ulp of its largest coordinate.
-static inline Box primitive_box(BvhLeaf leaf, bool is_triangle) {
+static inline Box primitive_box(Primitive p, bool is_triangle) {
   Box box;
   if (is_triangle) {
-    box.lo = min(min(leaf.a, leaf.b), leaf.c);
-    box.hi = max(max(leaf.a, leaf.b), leaf.c);
+    box.lo = min(min(p.a, p.b), p.c);
+    box.hi = max(max(p.a, p.b), p.c);
   } else {
-    const float4 pad = (fabs(leaf.a) + leaf.b.x) * (2.0f * (float)HR_HALF_ULP);
-    box.lo = leaf.a - leaf.b.x - pad;
-    box.hi = leaf.a + leaf.b.x + pad;
+    const float4 pad = (fabs(p.a) + p.b.x) * (2.0f * (float)HR_HALF_ULP);
+    box.lo = p.a - p.b.x - pad;
+    box.hi = p.a + p.b.x + pad;
   }
   box.lo.w = 0.0f;
   box.hi.w = 0.0f;
   return box;
 }
 
-static inline uint primitive_status(BvhLeaf leaf, bool is_triangle) {
+// Slow but sure: in units that are a power of two, so without rounding: the area of a tiny triangle must not underflow,
+// that of a line must be zero.
+static inline uint primitive_status_exact(Primitive p, bool is_triangle, Box box) {
 #pragma OPENCL FP_CONTRACT OFF
-  const Box box = primitive_box(leaf, is_triangle);
-  if (!is_finite4(leaf.a) || !is_finite4(leaf.b) || !is_finite4(leaf.c) || !is_finite4(box.lo + box.hi)) {
+  if (!is_finite4(p.a) || !is_finite4(p.b) || !is_finite4(p.c) || !is_finite4(box.lo + box.hi)) {
     return HR_PRIMITIVE_NON_FINITE;
   }
-  if (!is_triangle) return leaf.b.x > 0 ? HR_PRIMITIVE_VALID : HR_PRIMITIVE_DEGENERATE;
-  const real3 a = (real3)(leaf.a.x, leaf.a.y, leaf.a.z);
-  const real3 e1 = (real3)(leaf.b.x, leaf.b.y, leaf.b.z) - a;
-  const real3 e2 = (real3)(leaf.c.x, leaf.c.y, leaf.c.z) - a;
+  if (!is_triangle) return p.b.x > 0 ? HR_PRIMITIVE_VALID : HR_PRIMITIVE_DEGENERATE;
+  const real3 a = (real3)(p.a.x, p.a.y, p.a.z);
+  const real3 e1 = (real3)(p.b.x, p.b.y, p.b.z) - a;
+  const real3 e2 = (real3)(p.c.x, p.c.y, p.c.z) - a;
   const real3 largest = max(fabs(e1), fabs(e2));
-  // Scaled by a power of two, so without rounding: the area of a tiny triangle must not underflow, that of a line must
-  // be zero.
   const real scale = as_float(as_uint(max_component(largest)) & 0x7f800000u);
   if (!(scale > 0)) return HR_PRIMITIVE_DEGENERATE;
   const real3 f1 = e1 / scale, f2 = e2 / scale;
   const real3 left = (real3)(f1.y * f2.z, f1.z * f2.x, f1.x * f2.y);
   const real3 right = (real3)(f1.z * f2.y, f1.x * f2.z, f1.y * f2.x);
   return left.x != right.x || left.y != right.y || left.z != right.z ? HR_PRIMITIVE_VALID : HR_PRIMITIVE_DEGENERATE;
+}
+
+// A triangle whose normal has a length in the middle of float's range is valid; anything else is looked at closely.
+static inline uint primitive_status(Primitive p, bool is_triangle, Box box) {
+#pragma OPENCL FP_CONTRACT OFF
+  const float4 e1 = p.b - p.a, e2 = p.c - p.a;
+  const float4 n = (float4)(e1.y * e2.z - e1.z * e2.y, e1.z * e2.x - e1.x * e2.z, e1.x * e2.y - e1.y * e2.x, 0.0f);
+  const float4 sum = box.lo + box.hi;
+  const float area2 = n.x * n.x + n.y * n.y + n.z * n.z + 0.0f * (sum.x + sum.y + sum.z);
+  if (is_triangle && area2 > 1e-30f && area2 < 1e30f) return HR_PRIMITIVE_VALID;
+  return primitive_status_exact(p, is_triangle, box);
 }
 
 #endif

@@ -1,39 +1,177 @@
-// Traversal of the binary BVH by a single ray. Planes are unbounded and are tested beside the tree.
-// Primitive indices: triangles, then spheres, then planes. Ties in t go to the smaller index.
+// Traversal of the wide BVH, or of a tree of cells (HR_ACCEL), by a single ray. Planes are unbounded and are tested
+// beside the tree. Primitive indices: triangles, then spheres, then planes. Ties in t go to the smaller index.
 #ifndef HR_LIB_TRAVERSE_H
 #define HR_LIB_TRAVERSE_H
 
-#include "lib/intersect.h"
-#include "lib/scene_view.h"
+#include "lib/leaf_block.h"
+#if HR_ACCEL != HR_ACCEL_BVH
+#include "lib/traverse_cells.h"
+#endif
 
-// One entry a level: 64 bits of Morton code and 32 of the index that tells equal codes apart.
-#define HR_BVH_STACK_SIZE 96
+// A waiting child: where the ray enters it (bits of a float >= 0, hence ordered) above its reference.
+typedef ulong StackEntry;
 
-// Primitives a ray must not meet: the one it left, and those of the light it is traced to (inclusive range, which is
-// empty if skip_first > skip_last).
-typedef struct Skip {
-  uint self;
-  uint first, last;
-} Skip;
+#define HR_ENTRY(t, reference) ((ulong)as_uint(t) << 32 | (uint)(reference))
 
-static inline bool is_skipped(const Skip* skip, uint primitive) {
-  return primitive == skip->self || (primitive >= skip->first && primitive <= skip->last);
+static inline global const float* node_at(const SceneView* view, int node) {
+  return view->accel_nodes + (ulong)(uint)node * HR_NODE_WORDS(HR_W);
 }
 
-static inline bool intersect_leaf(const SceneView* view, const Ray* ray, uint index, const Skip* skip, Hit* candidate) {
-  const BvhLeaf leaf = view->bvh_leaves[index];
-  candidate->primitive = as_uint(leaf.a.w);
-  if (is_skipped(skip, candidate->primitive)) return false;
-  candidate->u = 0;
-  candidate->v = 0;
-  const real3 a = (real3)(leaf.a.x, leaf.a.y, leaf.a.z);
-  if (HR_HAS(SPHERES) && candidate->primitive >= view->triangle_count) {
-    return intersect_sphere(ray, a, leaf.b.x, &candidate->t);
+static inline global const int* node_children(global const float* node) {
+  return (global const int*)(node + HR_NODE_CHILD_ROW * HR_W);
+}
+
+static inline void prefetch_child(const SceneView* view, int child) {
+  global const char* p =
+      child >= 0 ? (global const char*)node_at(view, child) : (global const char*)block_at(view, (uint)~child >> 4);
+  HR_PREFETCH(p);
+  HR_PREFETCH(p + 64);
+  if (HR_W == 8) {
+    HR_PREFETCH(p + 128);
+    HR_PREFETCH(p + 192);
   }
-  if (!HR_HAS(TRIANGLES)) return false;
-  const real3 b = (real3)(leaf.b.x, leaf.b.y, leaf.b.z);
-  const real3 c = (real3)(leaf.c.x, leaf.c.y, leaf.c.z);
-  return intersect_triangle(ray, a, b, c, &candidate->t, &candidate->u, &candidate->v);
+}
+
+// What the slab tests of all nodes share: rows of near and far planes along each axis, by the ray's direction, and for
+// the fast form the origin's own distances.
+typedef struct Slabs {
+  uint near_x, near_y, near_z, far_x, far_y, far_z;  // in words
+  real qx, qy, qz;                                   // -origin * inverse
+} Slabs;
+
+static inline Slabs make_slabs(const Ray* ray) {
+  Slabs s;
+  s.near_x = ray->inverse.x < 0 ? HR_W : 0;
+  s.near_y = ray->inverse.y < 0 ? 3 * HR_W : 2 * HR_W;
+  s.near_z = ray->inverse.z < 0 ? 5 * HR_W : 4 * HR_W;
+  s.far_x = HR_W - s.near_x;
+  s.far_y = 5 * HR_W - s.near_y;
+  s.far_z = 9 * HR_W - s.near_z;
+  s.qx = -ray->origin.x * ray->inverse.x;
+  s.qy = -ray->origin.y * ray->inverse.y;
+  s.qz = -ray->origin.z * ray->inverse.z;
+  return s;
+}
+
+#if HR_EXPLICIT_VECTORS
+
+#define HR_FLOATW HR_PASTE(float, HR_W)
+#define HR_LANES_OF_W HR_PASTE(lanes_of, HR_W)
+#define HR_SLAB(row) (*(global const HR_FLOATW*)(node + (row)))
+
+// The children that the ray enters before t_far, and where, in t_near[]. Subtract first, multiply after: fma(plane,
+// inverse, -origin * inverse) loses rays far from the origin (the fast triangle test comes with the fast slabs).
+static inline LaneSet enter_children(global const float* node, const Ray* ray, const Slabs* slabs, real t_far,
+                                     float* t_near) {
+#if HR_TRIANGLE_WATERTIGHT
+#pragma OPENCL FP_CONTRACT OFF
+  const HR_FLOATW x_in = (HR_SLAB(slabs->near_x) - ray->origin.x) * ray->inverse.x;
+  const HR_FLOATW y_in = (HR_SLAB(slabs->near_y) - ray->origin.y) * ray->inverse.y;
+  const HR_FLOATW z_in = (HR_SLAB(slabs->near_z) - ray->origin.z) * ray->inverse.z;
+  const HR_FLOATW x_out = (HR_SLAB(slabs->far_x) - ray->origin.x) * ray->inverse.x;
+  const HR_FLOATW y_out = (HR_SLAB(slabs->far_y) - ray->origin.y) * ray->inverse.y;
+  const HR_FLOATW z_out = (HR_SLAB(slabs->far_z) - ray->origin.z) * ray->inverse.z;
+  const HR_FLOATW t_in = max((HR_FLOATW)(ray->t_min), max(max(x_in, y_in), z_in));
+  const HR_FLOATW t_out = min((HR_FLOATW)(t_far), min(min(x_out, y_out), z_out)) * HR_SLAB_PAD;
+#else
+  const real3 inverse = ray->inverse;
+  const HR_FLOATW x_in = fma(HR_SLAB(slabs->near_x), (HR_FLOATW)(inverse.x), (HR_FLOATW)(slabs->qx));
+  const HR_FLOATW y_in = fma(HR_SLAB(slabs->near_y), (HR_FLOATW)(inverse.y), (HR_FLOATW)(slabs->qy));
+  const HR_FLOATW z_in = fma(HR_SLAB(slabs->near_z), (HR_FLOATW)(inverse.z), (HR_FLOATW)(slabs->qz));
+  const HR_FLOATW x_out = fma(HR_SLAB(slabs->far_x), (HR_FLOATW)(inverse.x), (HR_FLOATW)(slabs->qx));
+  const HR_FLOATW y_out = fma(HR_SLAB(slabs->far_y), (HR_FLOATW)(inverse.y), (HR_FLOATW)(slabs->qy));
+  const HR_FLOATW z_out = fma(HR_SLAB(slabs->far_z), (HR_FLOATW)(inverse.z), (HR_FLOATW)(slabs->qz));
+  const HR_FLOATW t_in = max((HR_FLOATW)(ray->t_min), max(max(x_in, y_in), z_in));
+  const HR_FLOATW t_out = min((HR_FLOATW)(t_far), min(min(x_out, y_out), z_out));
+#endif
+  *(HR_FLOATW*)t_near = t_in;
+  return HR_LANES_OF_W(t_in <= t_out);
+}
+
+#else
+
+static inline LaneSet enter_children(global const float* node, const Ray* ray, const Slabs* slabs, real t_far,
+                                     float* t_near) {
+#pragma OPENCL FP_CONTRACT OFF
+  LaneSet lanes = 0;
+  for (uint i = 0; i < HR_W; i++) {
+    const real x_in = (node[slabs->near_x + i] - ray->origin.x) * ray->inverse.x;
+    const real y_in = (node[slabs->near_y + i] - ray->origin.y) * ray->inverse.y;
+    const real z_in = (node[slabs->near_z + i] - ray->origin.z) * ray->inverse.z;
+    const real x_out = (node[slabs->far_x + i] - ray->origin.x) * ray->inverse.x;
+    const real y_out = (node[slabs->far_y + i] - ray->origin.y) * ray->inverse.y;
+    const real z_out = (node[slabs->far_z + i] - ray->origin.z) * ray->inverse.z;
+    t_near[i] = max(ray->t_min, max(max(x_in, y_in), z_in));
+    const real t_out = min(t_far, min(min(x_out, y_out), z_out)) * HR_SLAB_PAD;
+    if (t_near[i] <= t_out) lanes |= lane_bit(i);
+  }
+  return lanes;
+}
+
+#endif
+
+static inline void sort_pair(StackEntry* a, StackEntry* b) {
+  const StackEntry nearer = min(*a, *b), farther = max(*a, *b);
+  *a = nearer;
+  *b = farther;
+}
+
+// Puts the entered children on the stack, nearest on top, and takes that one: small networks for the usual cases.
+static inline int nearest_child(const SceneView* view, global const float* node, LaneSet lanes, const float* t_near,
+                                StackEntry* stack, uint* size) {
+  global const int* child = node_children(node);
+  uint lane = first_lane(lanes);
+  lanes = without_first(lanes);
+  if (!lanes) {
+    prefetch_child(view, child[lane]);
+    return child[lane];
+  }
+  StackEntry a = HR_ENTRY(t_near[lane], child[lane]);
+  lane = first_lane(lanes);
+  lanes = without_first(lanes);
+  StackEntry b = HR_ENTRY(t_near[lane], child[lane]);
+  if (!lanes) {
+    sort_pair(&a, &b);
+    stack[(*size)++] = b;
+    prefetch_child(view, (int)(uint)b);
+    return (int)(uint)a;
+  }
+  lane = first_lane(lanes);
+  lanes = without_first(lanes);
+  StackEntry c = HR_ENTRY(t_near[lane], child[lane]);
+  if (!lanes) {
+    sort_pair(&a, &b);
+    sort_pair(&b, &c);
+    sort_pair(&a, &b);
+    stack[*size] = c;
+    stack[*size + 1] = b;
+    *size += 2;
+    return (int)(uint)a;
+  }
+  lane = first_lane(lanes);
+  lanes = without_first(lanes);
+  StackEntry d = HR_ENTRY(t_near[lane], child[lane]);
+  sort_pair(&a, &b);
+  sort_pair(&c, &d);
+  sort_pair(&a, &c);
+  sort_pair(&b, &d);
+  sort_pair(&b, &c);
+  const uint bottom = *size;
+  stack[bottom] = d;
+  stack[bottom + 1] = c;
+  stack[bottom + 2] = b;
+  stack[bottom + 3] = a;
+  uint top = bottom + 4;
+  while (lanes) {
+    lane = first_lane(lanes);
+    lanes = without_first(lanes);
+    const StackEntry e = HR_ENTRY(t_near[lane], child[lane]);
+    uint place = top++;
+    for (; place > bottom && stack[place - 1] < e; place--) stack[place] = stack[place - 1];
+    stack[place] = e;
+  }
+  *size = top - 1;
+  return (int)(uint)stack[top - 1];
 }
 
 static inline bool intersect_plane_primitive(const SceneView* view, const Ray* ray, uint index, const Skip* skip,
@@ -47,57 +185,95 @@ static inline bool intersect_plane_primitive(const SceneView* view, const Ray* r
                          (real3)(plane.normal.x, plane.normal.y, plane.normal.z), &candidate->t);
 }
 
-static inline bool is_closer(const Hit* candidate, const Hit* best) {
-  return candidate->t < best->t || (candidate->t == best->t && candidate->primitive < best->primitive);
-}
-
-// Closest hit in (t_min, t_max), or primitive = HR_NO_PRIMITIVE and t = t_max. With any = true the first one found.
-static inline Hit traverse(const SceneView* view, const Ray* ray, const Skip* skip, bool any) {
+// Closest hit in (t_min, t_max), or primitive = HR_NO_PRIMITIVE and t = t_max.
+static inline Hit traverse_closest(const SceneView* view, const Ray* ray, const Skip* skip) {
   Hit best;
   best.t = ray->t_max;
   best.u = 0;
   best.v = 0;
   best.primitive = 0;  // a hit at t_max itself is not one: no index is smaller
-  bool found = false;
-  Hit candidate;
   if (HR_HAS(PLANES)) {
     for (uint i = 0; i < view->plane_count; i++) {
-      if (intersect_plane_primitive(view, ray, i, skip, &candidate) && is_closer(&candidate, &best)) {
-        best = candidate;
-        found = true;
-      }
+      Hit candidate;
+      if (intersect_plane_primitive(view, ray, i, skip, &candidate) && is_closer(&candidate, &best)) best = candidate;
     }
   }
-  int stack[HR_BVH_STACK_SIZE];
-  int stack_size = 0;
-  int node_index = 0;
-  while (node_index >= 0 && !(any && found)) {
-    const BvhNode node = view->bvh_nodes[node_index];
-    const int child[2] = {(int)node.child.x, (int)node.child.y};
-    real2 t_near;
-    const int2 entered = intersect_boxes(ray, &node, best.t, &t_near);
-    bool enter[2] = {entered.x != 0, entered.y != 0};
-    for (int side = 0; side < 2; side++) {
-      if (enter[side] && child[side] < 0) {
-        if (intersect_leaf(view, ray, (uint)~child[side], skip, &candidate) && is_closer(&candidate, &best)) {
-          best = candidate;
-          found = true;
-        }
-        enter[side] = false;
+#if HR_ACCEL != HR_ACCEL_BVH
+  traverse_cells_closest(view, ray, skip, &best);
+#else
+  const Slabs slabs = make_slabs(ray);
+  StackEntry stack[HR_TRAVERSAL_STACK];
+  uint size = 0;
+  int at = 0;
+  for (;;) {
+    if (at >= 0) {
+      global const float* node = node_at(view, at);
+      float t_near[HR_W];
+      const LaneSet lanes = enter_children(node, ray, &slabs, best.t, t_near);
+      if (lanes) {
+        at = nearest_child(view, node, lanes, t_near, stack, &size);
+        continue;
       }
-    }
-    if (enter[0] && enter[1]) {
-      const int far_side = t_near.x <= t_near.y ? 1 : 0;
-      stack[stack_size++] = child[far_side];
-      node_index = child[1 - far_side];
-    } else if (enter[0] || enter[1]) {
-      node_index = enter[0] ? child[0] : child[1];
     } else {
-      node_index = stack_size > 0 ? stack[--stack_size] : -1;
+      const uint leaf = (uint)~at;
+      global const float* block = block_at(view, leaf >> 4);
+      for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
+        intersect_block_closest(view, block, ray, skip, &best);
+      }
+    }
+    StackEntry entry = 0;
+    bool found = false;
+    while (size > 0 && !found) {
+      entry = stack[--size];
+      found = as_float((uint)(entry >> 32)) <= best.t * HR_SLAB_PAD;
+    }
+    if (!found) break;
+    at = (int)(uint)entry;
+  }
+#endif
+  if (best.t == ray->t_max) best.primitive = HR_NO_PRIMITIVE;
+  return best;
+}
+
+// Is there any hit in (t_min, t_max)?
+static inline bool traverse_any(const SceneView* view, const Ray* ray, const Skip* skip) {
+  if (HR_HAS(PLANES)) {
+    for (uint i = 0; i < view->plane_count; i++) {
+      Hit candidate;
+      if (intersect_plane_primitive(view, ray, i, skip, &candidate) && candidate.t < ray->t_max) return true;
     }
   }
-  if (!found) best.primitive = HR_NO_PRIMITIVE;
-  return best;
+#if HR_ACCEL != HR_ACCEL_BVH
+  return traverse_cells_any(view, ray, skip);
+#else
+  const Slabs slabs = make_slabs(ray);
+  int stack[HR_TRAVERSAL_STACK];
+  uint size = 0;
+  int at = 0;
+  for (;;) {
+    if (at >= 0) {
+      global const float* node = node_at(view, at);
+      float t_near[HR_W];
+      LaneSet lanes = enter_children(node, ray, &slabs, ray->t_max, t_near);
+      if (lanes) {
+        global const int* child = node_children(node);
+        at = child[first_lane(lanes)];
+        for (lanes = without_first(lanes); lanes; lanes = without_first(lanes)) {
+          stack[size++] = child[first_lane(lanes)];
+        }
+        continue;
+      }
+    } else {
+      const uint leaf = (uint)~at;
+      global const float* block = block_at(view, leaf >> 4);
+      for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
+        if (intersect_block_any(view, block, ray, skip)) return true;
+      }
+    }
+    if (size == 0) return false;
+    at = stack[--size];
+  }
+#endif
 }
 
 #endif

@@ -10,8 +10,7 @@
 static inline uint stage_intersect_shadow(const PathContext* context, PathState* s) {
   const Ray ray = make_ray(xyz(s->shadow_origin), xyz(s->shadow_direction), 0, s->shadow_origin.w);
   const Skip skip = {s->surface.z, s->shadow_cursor.z, s->shadow_cursor.w};
-  const Hit hit = traverse(&context->view, &ray, &skip, true);
-  if (hit.primitive == HR_NO_PRIMITIVE) path_add(s, xyz(s->shadow_radiance));
+  if (!traverse_any(&context->view, &ray, &skip)) path_add(s, xyz(s->shadow_radiance));
   return next_light_sample(context, s);
 }
 

@@ -1,4 +1,4 @@
-// The binary bounding volume hierarchy and the queries it answers.
+// The bounding volume hierarchy: how it is built, how it is laid out for traversal, and the queries it answers.
 #ifndef HR_SHARED_BVH_TYPES_H
 #define HR_SHARED_BVH_TYPES_H
 
@@ -6,25 +6,54 @@
 
 HR_SHARED_BEGIN
 
-// Both children's boxes, an axis a vector, and their references, in one cache line (Aila and Laine 2009). A reference
-// is
-// >= 0 for an inner node and ~index for a leaf. A tree of one primitive has it on both sides; the tree of none has a
-// leaf of NaNs, which no ray meets. References stand apart from the boxes: an index read as a float is a denormal
-// number, and vector code that drags it through a multiplication loses a hundred cycles on some processors.
-typedef struct BvhNode {
+// Bounds of one primitive or of all. A primitive that does not go into the tree has lo = +inf, hi = -inf.
+typedef struct Box {
+  float4 lo;  // [m]
+  float4 hi;
+} Box;
+
+// A node of the binary tree that builders make and the collapse reads: both children's boxes, an axis a vector, and
+// their references: >= 0 for a node, ~primitive for a leaf. References stand apart from the boxes: an index read as a
+// float is a denormal number, and vector code that drags it through a multiplication loses a hundred cycles on some
+// processors.
+typedef struct BinaryNode {
   float4 x;  // left lo, left hi, right lo, right hi [m]
   float4 y;
   float4 z;
-  uint4 child;  // left, right, 0, 0 (int bits)
-} BvhNode;
+  uint4 child;  // left, right (int bits), primitives below left, below right
+} BinaryNode;
 
-// One primitive, in Morton order. Triangle: vertices a, b, c. Sphere: a = centre, b.x = radius.
-// a.w holds the primitive's index as uint bits; indices from the triangle count on are spheres.
-typedef struct BvhLeaf {
-  float4 a;
-  float4 b;
-  float4 c;
-} BvhLeaf;
+// The traversed tree has nodes of W children (2, 4 or 8: the device profile's width), 8 W words each:
+//   float lo_x[W], hi_x[W], lo_y[W], hi_y[W], lo_z[W], hi_z[W]; int child[W]; uint unused[W].
+// child >= 0 is a node, child < 0 a leaf, ~(first block << 4 | blocks). A lane without child has an empty box
+// (lo = +inf, hi = -inf), which no ray enters.
+#define HR_NODE_WORDS(width) (8 * (width))
+#define HR_NODE_CHILD_ROW 6 /* of W words each */
+
+// A leaf holds blocks of L primitives (L: the profile's lanes), 10 L words each, a row of L a quantity. Triangles:
+//   rows 0-2 vertex a, 3-5 and 6-8 vertices b and c (watertight test) or edges a - b and c - a (fast test) [m].
+// Spheres: rows 0-2 centre, row 3 radius [m]. Row 9: primitive (uint bits), HR_NO_PRIMITIVE in unused lanes.
+#define HR_BLOCK_ROWS 10
+#define HR_BLOCK_PRIMITIVE_ROW 9
+#define HR_MAX_LEAF_BLOCKS 15
+
+#define HR_REGION_FLAG 0x40000000 /* in a draft of the top: child is a region */
+
+// A part of the tree that one work-item collapses. Region 0 is the top, the others hang below it.
+typedef struct CollapseRegion {
+  int root;          // binary node
+  uint primitives;   // below it; region 0: in leaves that hang in the top itself
+  uint stack_load;   // entries on a traversal's stack when it comes to the root
+  uint parent_slot;  // node W + lane of the top that refers to it
+  uint draft_node;   // first of its nodes in the draft
+  uint first_leaf;   // first of its primitives in leaf order, and of its block descriptors
+  uint nodes;        // how many it has
+  uint blocks;
+  uint stack;       // most entries a traversal's stack can hold in it
+  uint final_node;  // where its nodes and blocks go
+  uint final_block;
+  uint pad;
+} CollapseRegion;
 
 // What one chunk of primitives contributes to the scene's bounds (bvh/bounds.cl).
 typedef struct BoundsPartial {

@@ -30,6 +30,9 @@ struct alignas(8) float2 {
 struct alignas(16) float4 {
   float x, y, z, w;
 };
+struct alignas(8) int2 {
+  std::int32_t x, y;
+};
 struct alignas(8) uint2 {
   uint x, y;
 };

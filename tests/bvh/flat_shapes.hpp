@@ -86,6 +86,18 @@ inline FlatScene soup(std::uint32_t triangles, std::uint32_t spheres, float size
   return flat;
 }
 
+/// Triangles around the origin whose boxes are concentric cubes, each a fixed factor larger than the one before: half
+/// sizes from 2^-40 to 2^40. Trees of them are as deep as trees get.
+inline FlatScene nested_triangles(std::uint32_t count, std::uint32_t seed) {
+  FlatScene flat = empty_flat_scene();
+  Places places(seed);
+  for (std::uint32_t i = 0; i < count; i++) {
+    const float half = std::exp2(80.0F * static_cast<float>(i) / static_cast<float>(count) - 40.0F);
+    add_triangle(flat, Vec3(-half), Vec3(half), half * places.in_cube(1.0F));
+  }
+  return flat;
+}
+
 /// A closed mesh: each face of a cube is a grid of n x n cells of two triangles; `round` puts the vertices on the unit
 /// sphere. Vertices on the cube's edges are shared. Moved by `offset`.
 inline FlatScene closed_mesh(int n, bool round, Vec3 offset) {
@@ -132,10 +144,35 @@ struct TreeWorkshop {
 
 /// A flat scene on the device with its tree.
 struct BuiltTree {
-  BuiltTree(TreeWorkshop& workshop, const FlatScene& flat, unsigned morton_bits = 0)
-      : scene(workshop.context, flat, kAllPrimitives), accel(workshop.builder, scene, AccelOptions{morton_bits}) {}
+  BuiltTree(TreeWorkshop& workshop, const FlatScene& flat, const AccelOptions& options = {})
+      : scene(workshop.context, flat, kAllPrimitives), accel(workshop.builder, scene, options) {}
   DeviceScene scene;
   Accel accel;
 };
+
+/// One way to build and lay out a tree.
+struct TreeKind {
+  const char* name;
+  AccelOptions options;
+};
+
+/// Every width, number of lanes, builder, triangle test, form of vectors and size of leaves is in here, each compiled
+/// once. The first of each triangle test has explicit vectors.
+inline const std::vector<TreeKind>& tree_kinds() {
+  constexpr auto kQuality = TreeBuilder::quality;
+  constexpr auto kRadix = TreeBuilder::fast;
+  constexpr auto kTight = TriangleTest::watertight;
+  constexpr auto kFast = TriangleTest::fast;
+  static const std::vector<TreeKind> kKinds = {
+      {"quality, watertight, 8 wide, 8 lanes, leaves of 8", {kQuality, kTight, 0, 8, 8, 8, 1}},
+      {"radix, fast, 8 wide, 4 lanes, leaves of 16", {kRadix, kFast, 63, 8, 4, 16, 1}},
+      {"radix, watertight, 4 wide, 8 lanes, leaves of 4, loops", {kRadix, kTight, 30, 4, 8, 4, 0}},
+      {"quality, fast, 4 wide, 2 lanes, leaves of 1, loops", {kQuality, kFast, 0, 4, 2, 1, 0}},
+      {"radix, watertight, 2 wide, 1 lane, leaves of 1", {kRadix, kTight, 0, 2, 1, 1, 1}},
+      {"quality, watertight, 2 wide, 2 lanes, leaves of 16", {kQuality, kTight, 30, 2, 2, 16, 1}},
+      {"quality, watertight, 4 wide, 4 lanes, leaves of 4", {kQuality, kTight, 63, 4, 4, 4, 1}},
+  };
+  return kKinds;
+}
 
 }  // namespace hemiray::test

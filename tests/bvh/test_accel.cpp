@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "host/bvh/ray_queries.hpp"
 #include "tests/bvh/flat_shapes.hpp"
 #include "tests/bvh/tree_check.hpp"
 
@@ -23,15 +23,11 @@ using test::soup;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-// Only a CPU is known to divide as the host does without being asked to.
-bool divides_as_host(const Context& context) { return context.device().kind == DeviceKind::cpu; }
-
-void check_both_code_lengths(test::TreeWorkshop& workshop, const std::string& name, const FlatScene& flat) {
-  for (const unsigned bits : {30U, 63U}) {
-    INFO(name << ", " << bits << " bits");
-    const test::BuiltTree tree(workshop, flat, bits);
-    CHECK(tree.accel.statistics().morton_bits == bits);
-    test::TreeCheck(flat, tree.accel).run(divides_as_host(workshop.context));
+void check_all_kinds(test::TreeWorkshop& workshop, const std::string& name, const FlatScene& flat) {
+  for (const test::TreeKind& kind : test::tree_kinds()) {
+    INFO(name << "; " << kind.name);
+    const test::BuiltTree tree(workshop, flat, kind.options);
+    test::TreeCheck(flat, tree.accel, kind.options).run();
   }
 }
 
@@ -64,17 +60,17 @@ TEST_CASE("the tree holds for every small count and around powers of two") {
   for (const std::uint32_t count :
        {0U,  1U,  2U,  3U,   4U,   5U,   7U,   8U,   9U,   15U,   16U,   17U,   31U,   32U,   33U,
         63U, 64U, 65U, 127U, 128U, 129U, 255U, 256U, 257U, 1023U, 1024U, 1025U, 4095U, 4096U, 4097U}) {
-    check_both_code_lengths(workshop, std::to_string(count) + " triangles", soup(count, 0, 0.1F, count + 1));
+    check_all_kinds(workshop, std::to_string(count) + " triangles", soup(count, 0, 0.1F, count + 1));
   }
 }
 
 TEST_CASE("the tree holds for spheres and for spheres among triangles") {
   test::TreeWorkshop workshop;
-  check_both_code_lengths(workshop, "a sphere", soup(0, 1, 0.1F, 1));
-  check_both_code_lengths(workshop, "two spheres", soup(0, 2, 0.1F, 2));
-  check_both_code_lengths(workshop, "1000 spheres", soup(0, 1000, 0.1F, 3));
-  check_both_code_lengths(workshop, "a triangle and a sphere", soup(1, 1, 0.1F, 4));
-  check_both_code_lengths(workshop, "500 of each", soup(500, 500, 0.2F, 5));
+  check_all_kinds(workshop, "a sphere", soup(0, 1, 0.1F, 1));
+  check_all_kinds(workshop, "two spheres", soup(0, 2, 0.1F, 2));
+  check_all_kinds(workshop, "1000 spheres", soup(0, 1000, 0.1F, 3));
+  check_all_kinds(workshop, "a triangle and a sphere", soup(1, 1, 0.1F, 4));
+  check_all_kinds(workshop, "500 of each", soup(500, 500, 0.2F, 5));
 }
 
 TEST_CASE("a sphere's box holds the sphere") {
@@ -98,16 +94,16 @@ TEST_CASE("the tree holds where Morton codes tell nothing apart") {
   for (const int count : {2, 3, 64, 65, 1000}) {
     FlatScene duplicates = empty_flat_scene();
     for (int i = 0; i < count; i++) add_small_triangle(duplicates, {0.25F, -0.5F, 3.0F}, 1.0F);
-    check_both_code_lengths(workshop, std::to_string(count) + " duplicates", duplicates);
+    check_all_kinds(workshop, std::to_string(count) + " duplicates", duplicates);
     FlatScene concentric = empty_flat_scene();
     for (int i = 0; i < count; i++) add_sphere(concentric, Vec3(0.0F), 1.0F + static_cast<float>(i));
-    check_both_code_lengths(workshop, std::to_string(count) + " concentric spheres", concentric);
+    check_all_kinds(workshop, std::to_string(count) + " concentric spheres", concentric);
     FlatScene cluster = empty_flat_scene();  // two far ones stretch the grid: all others fall into one cell
     Places places(7);
     add_small_triangle(cluster, Vec3(-1e6F), 1.0F);
     for (int i = 0; i < count; i++) add_small_triangle(cluster, places.in_cube(1e-3F), 1e-3F);
     add_small_triangle(cluster, Vec3(1e6F), 1.0F);
-    check_both_code_lengths(workshop, std::to_string(count) + " in one cell", cluster);
+    check_all_kinds(workshop, std::to_string(count) + " in one cell", cluster);
   }
 }
 
@@ -124,12 +120,13 @@ TEST_CASE("the tree holds for flat, straight and lopsided scenes") {
       on_line[axis] = places.in(-5.0F, 5.0F);
       add_small_triangle(straight, on_line, 0.125F);
     }
-    check_both_code_lengths(workshop, "planar, axis " + std::to_string(axis), planar);
-    check_both_code_lengths(workshop, "centres on a line, axis " + std::to_string(axis), straight);
+    check_all_kinds(workshop, "planar, axis " + std::to_string(axis), planar);
+    check_all_kinds(workshop, "centres on a line, axis " + std::to_string(axis), straight);
   }
   FlatScene halving = empty_flat_scene();  // as unbalanced as codes allow
   for (int i = 0; i < 60; i++) add_small_triangle(halving, Vec3(std::exp2(static_cast<float>(-i))), 1e-20F);
-  check_both_code_lengths(workshop, "halving distances", halving);
+  check_all_kinds(workshop, "halving distances", halving);
+  check_all_kinds(workshop, "nested", test::nested_triangles(2000, 12));  // deep where neighbours are merged
 }
 
 TEST_CASE("the tree holds for huge and tiny things together") {
@@ -141,13 +138,13 @@ TEST_CASE("the tree holds for huge and tiny things together") {
     add_triangle(flat, size * places.direction(), size * places.direction(), size * places.direction());
     add_sphere(flat, size * places.direction(), size * places.in(0.1F, 1.0F));
   }
-  check_both_code_lengths(workshop, "sizes from 2^-100 to 2^100", flat);
+  check_all_kinds(workshop, "sizes from 2^-100 to 2^100", flat);
   FlatScene tiny = empty_flat_scene();
   for (int i = 0; i < 100; i++) {
     const Vec3 at = 1e-30F * places.direction();
     add_triangle(tiny, at, at + 1e-30F * places.direction(), at + 1e-30F * places.direction());
   }
-  check_both_code_lengths(workshop, "all of 1e-30 m", tiny);
+  check_all_kinds(workshop, "all of 1e-30 m", tiny);
   CHECK(test::BuiltTree(workshop, tiny).accel.statistics().primitives == 100);
 }
 
@@ -155,7 +152,7 @@ TEST_CASE("what is not finite or has no area is dropped and counted, wherever it
   test::TreeWorkshop workshop;
   FlatScene only_bad = empty_flat_scene();
   add_bad_primitives(only_bad);
-  check_both_code_lengths(workshop, "nothing else", only_bad);
+  check_all_kinds(workshop, "nothing else", only_bad);
   const test::BuiltTree bad_tree(workshop, only_bad);
   CHECK(bad_tree.accel.statistics().primitives == 0);
   CHECK(bad_tree.accel.statistics().non_finite == kNonFinite);
@@ -169,46 +166,38 @@ TEST_CASE("what is not finite or has no area is dropped and counted, wherever it
     if (i % 10 == 0) add_bad_primitives(mixed);
   }
   add_bad_primitives(mixed);
-  check_both_code_lengths(workshop, "among good ones", mixed);
+  check_all_kinds(workshop, "among good ones", mixed);
   const test::BuiltTree mixed_tree(workshop, mixed);
   CHECK(mixed_tree.accel.statistics().primitives == 200);
   CHECK(mixed_tree.accel.statistics().non_finite == 12 * kNonFinite);
   CHECK(mixed_tree.accel.statistics().degenerate == 12 * kDegenerate);
 }
 
-TEST_CASE("ten builds of one scene are the same bytes") {
+TEST_CASE("a hundred thousand coincident triangles make a true tree, and rays end at the first") {
   test::TreeWorkshop workshop;
-  const FlatScene flat = soup(20000, 3000, 0.05F, 11);
-  std::vector<shared::BvhNode> nodes;
-  std::vector<shared::BvhLeaf> leaves;
-  for (int build = 0; build < 10; build++) {
-    const test::BuiltTree tree(workshop, flat);
-    const std::vector<shared::BvhNode> nodes_now = tree.accel.nodes().read();
-    const std::vector<shared::BvhLeaf> leaves_now = tree.accel.leaves().read();
-    if (build == 0) {
-      nodes = nodes_now;
-      leaves = leaves_now;
+  FlatScene flat = empty_flat_scene();
+  for (int i = 0; i < 100000; i++) add_small_triangle(flat, {0.25F, -0.5F, 3.0F}, 1.0F);
+  for (const std::size_t k : {0U, 4U}) {
+    const test::TreeKind& kind = test::tree_kinds()[k];
+    INFO(kind.name);
+    const test::BuiltTree tree(workshop, flat, kind.options);
+    test::TreeCheck(flat, tree.accel, kind.options).run();
+    RayQueries queries(workshop.context, tree.scene, tree.accel);
+    const std::vector<shared::QueryRay> rays(100, {{0.9F, -0.4F, 0.0F, 0.0F}, {0.0F, 0.0F, 1.0F, kInf}});
+    for (const shared::QueryHit& hit : queries.intersect(rays)) {
+      CHECK(hit.primitive == 0);
+      CHECK(hit.t > 3.0F);
     }
-    REQUIRE(nodes_now.size() == nodes.size());
-    REQUIRE(leaves_now.size() == leaves.size());
-    CHECK(std::memcmp(nodes_now.data(), nodes.data(), nodes.size() * sizeof(nodes[0])) == 0);
-    CHECK(std::memcmp(leaves_now.data(), leaves.data(), leaves.size() * sizeof(leaves[0])) == 0);
   }
-}
-
-TEST_CASE("the code length follows the number of primitives") {
-  test::TreeWorkshop workshop;
-  CHECK(test::BuiltTree(workshop, soup(65536, 0, 0.01F, 12)).accel.statistics().morton_bits == 30);
-  CHECK(test::BuiltTree(workshop, soup(65536, 1, 0.01F, 12)).accel.statistics().morton_bits == 63);
 }
 
 TEST_CASE("a million triangles build a true tree") {
   test::TreeWorkshop workshop;
   const FlatScene flat = soup(1000000, 0, 0.005F, 13);
-  const test::BuiltTree tree(workshop, flat);
-  CHECK(tree.accel.statistics().morton_bits == 63);
+  const AccelOptions options = complete_options({}, workshop.context.profile());
+  const test::BuiltTree tree(workshop, flat, options);
   CHECK(tree.accel.statistics().build_ms > 0.0);
-  test::TreeCheck(flat, tree.accel).run(divides_as_host(workshop.context));
+  test::TreeCheck(flat, tree.accel, options).run();
 }
 
 }  // namespace hemiray

@@ -17,9 +17,6 @@
 
 namespace hemiray::test {
 
-/// Entries of the traversal's stack (kernels/lib/traverse.h): no tree may be deeper.
-inline constexpr int kMaxTreeDepth = 96;
-
 struct HostBox {
   Vec3 lo{std::numeric_limits<float>::infinity()};
   Vec3 hi{-std::numeric_limits<float>::infinity()};
@@ -61,9 +58,16 @@ inline HostBox box_of(const FlatScene& flat, std::uint32_t primitive) {
   return {glm::min(glm::min(a, b), c), glm::max(glm::max(a, b), c)};
 }
 
-/// Valid primitives in the order of their Morton codes, equal codes by index.
-inline std::vector<std::uint32_t> morton_order(const FlatScene& flat, const std::vector<std::uint32_t>& valid,
-                                               unsigned bits) {
+/// Bits of Morton codes that a tree of `count` primitives is built with where `asked` are asked for (0: the default).
+inline unsigned expected_morton_bits(std::size_t count, unsigned asked) {
+  const unsigned index_bits = static_cast<unsigned>(std::bit_width(std::max<std::size_t>(count, 2) - 1));
+  return std::min(asked != 0 ? asked : 33U, 63U - index_bits) / 3 * 3;
+}
+
+/// The place of each valid primitive in the order of their Morton codes, equal codes by index; HR_NO_PRIMITIVE for the
+/// others. The arithmetic is the kernels' own, which rounds alike everywhere.
+inline std::vector<std::uint32_t> morton_places(const FlatScene& flat, const std::vector<std::uint32_t>& valid,
+                                                unsigned bits) {
   std::vector<Vec3> centers;
   HostBox bounds;
   for (const std::uint32_t primitive : valid) {
@@ -72,60 +76,89 @@ inline std::vector<std::uint32_t> morton_order(const FlatScene& flat, const std:
     bounds.add({centers.back(), centers.back()});
   }
   const unsigned axis_bits = bits / 3;
-  const Vec3 extent = bounds.hi - bounds.lo;
+  const float last = static_cast<float>((std::uint64_t{1} << axis_bits) - 1);
   std::vector<std::uint64_t> codes;
   for (const Vec3& center : centers) {
-    std::uint64_t code = 0;
     std::array<std::uint64_t, 3> cell{};
     for (int k = 0; k < 3; k++) {
-      if (!(extent[k] > 0.0F)) continue;
-      const float cells = static_cast<float>(1U << axis_bits);
-      cell[static_cast<std::size_t>(k)] =
-          std::min<std::uint64_t>(static_cast<std::uint64_t>((center[k] - bounds.lo[k]) / extent[k] * cells),
-                                  (std::uint64_t{1} << axis_bits) - 1);
+      const float extent = bounds.hi[k] - bounds.lo[k];
+      if (!(extent > 0.0F)) continue;
+      const float scale = std::min(std::ldexp(1.0F, static_cast<int>(axis_bits)) / extent, 0x1.fffffep127F);
+      const float at = (center[k] - bounds.lo[k]) * scale;
+      cell[static_cast<std::size_t>(k)] = static_cast<std::uint64_t>(std::max(0.0F, at < last ? at : last));
     }
+    std::uint64_t code = 0;
     for (unsigned bit = axis_bits; bit-- > 0;) {
       for (const std::uint64_t c : cell) code = code << 1U | (c >> bit & 1U);
     }
     codes.push_back(code);
   }
-  std::vector<std::uint32_t> places(valid.size());
-  std::iota(places.begin(), places.end(), 0U);
-  std::stable_sort(places.begin(), places.end(), [&](auto a, auto b) { return codes[a] < codes[b]; });
-  std::vector<std::uint32_t> order;
-  for (const std::uint32_t place : places) order.push_back(valid[place]);
-  return order;
+  std::vector<std::uint32_t> order(valid.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return codes[a] < codes[b]; });
+  std::vector<std::uint32_t> places(flat.triangles.size() + flat.spheres.size(), HR_NO_PRIMITIVE);
+  for (std::uint32_t place = 0; place < order.size(); place++) places[valid[order[place]]] = place;
+  return places;
 }
 
 /// Walks one tree and compares it with its scene.
 class TreeCheck {
  public:
-  TreeCheck(const FlatScene& flat, const Accel& accel)
-      : flat_(flat), accel_(accel), nodes_(accel.nodes().read()), leaves_(accel.leaves().read()) {}
+  /// `options`: what the tree was built with, max_leaf and morton_bits among them.
+  TreeCheck(const FlatScene& flat, const Accel& accel, const AccelOptions& options)
+      : flat_(flat),
+        accel_(accel),
+        options_(options),
+        width_(accel.config().width),
+        lanes_(accel.config().leaf_lanes),
+        nodes_(accel.nodes().read()),
+        blocks_(accel.blocks().read()) {}
 
-  /// `exact_order`: the device divides as the host does, so Morton codes are equal to the bit.
-  void run(bool exact_order) {
-    check_statistics();
-    if (valid_.size() < 2) {
-      check_lone_leaf();
-    } else {
-      REQUIRE(nodes_.size() == valid_.size() - 1);
-      REQUIRE(leaves_.size() == valid_.size());
-      check_leaves(exact_order);
-      node_seen_.assign(nodes_.size(), false);
-      leaf_seen_.assign(leaves_.size(), false);
-      walk(0, 1);
-      CHECK(std::count(node_seen_.begin(), node_seen_.end(), true) == static_cast<std::ptrdiff_t>(nodes_.size()));
-      CHECK(std::count(leaf_seen_.begin(), leaf_seen_.end(), true) == static_cast<std::ptrdiff_t>(leaves_.size()));
-      CHECK(deepest_ <= kMaxTreeDepth);
-      CHECK(wrong_boxes_ == 0);
+  /// `refitted`: the scene's vertices moved since, so its bounds and Morton codes are not those of the build.
+  void run(bool refitted = false) {
+    check_statistics(refitted);
+    const AccelStatistics& statistics = accel_.statistics();
+    REQUIRE(nodes_.size() == std::size_t{statistics.nodes} * 8 * width_);
+    REQUIRE(blocks_.size() == std::max<std::size_t>(statistics.blocks, 1) * HR_BLOCK_ROWS * lanes_);
+    if (valid_.empty()) {
+      CHECK(statistics.nodes == 1);
+      CHECK(statistics.blocks == 0);
+    } else if (!refitted) {
+      CHECK(statistics.morton_bits ==
+            expected_morton_bits(flat_.triangles.size() + flat_.spheres.size(), options_.morton_bits));
+      if (options_.builder == TreeBuilder::fast) places_ = morton_places(flat_, valid_, statistics.morton_bits);
     }
+    node_seen_.assign(statistics.nodes, false);
+    block_seen_.assign(statistics.blocks, false);
+    const Below all = walk(0, 0);
+    CHECK(all.box == bounds_);
+    CHECK(std::count(node_seen_.begin(), node_seen_.end(), true) == std::ptrdiff_t{statistics.nodes});
+    CHECK(std::count(block_seen_.begin(), block_seen_.end(), true) == std::ptrdiff_t{statistics.blocks});
+    std::sort(found_.begin(), found_.end());
+    const bool each_once = found_ == valid_;
+    CHECK(each_once);
+    CHECK(wrong_boxes_ == 0);
+    CHECK(wrong_lanes_ == 0);
+    CHECK(wrong_order_ == 0);
+    CHECK(statistics.stack_depth == std::max(stack_need_, 1U));
+    CHECK(accel_.config().stack >= statistics.stack_depth);
   }
 
  private:
-  void check_statistics() {
+  /// What lies below a child: its box, and its places in Morton order.
+  struct Below {
+    HostBox box;
+    std::uint32_t first = ~0U, last = 0, count = 0;
+    void add(const Below& other) {
+      box.add(other.box);
+      first = std::min(first, other.first);
+      last = std::max(last, other.last);
+      count += other.count;
+    }
+  };
+
+  void check_statistics(bool refitted) {
     std::uint32_t non_finite = 0, degenerate = 0;
-    HostBox bounds;
     const auto count = static_cast<std::uint32_t>(flat_.triangles.size() + flat_.spheres.size());
     for (std::uint32_t i = 0; i < count; i++) {
       const PrimitiveStatus status = status_of(flat_, i);
@@ -133,108 +166,120 @@ class TreeCheck {
       degenerate += status == PrimitiveStatus::degenerate;
       if (status != PrimitiveStatus::valid) continue;
       valid_.push_back(i);
-      bounds.add(box_of(flat_, i));
+      bounds_.add(box_of(flat_, i));
     }
     const AccelStatistics& statistics = accel_.statistics();
     CHECK(statistics.primitives == valid_.size());
     CHECK(statistics.non_finite == non_finite);
     CHECK(statistics.degenerate == degenerate);
-    CHECK(Vec3(statistics.lo.x, statistics.lo.y, statistics.lo.z) == bounds.lo);
-    CHECK(Vec3(statistics.hi.x, statistics.hi.y, statistics.hi.z) == bounds.hi);
+    if (refitted) return;
+    CHECK(Vec3(statistics.lo.x, statistics.lo.y, statistics.lo.z) == bounds_.lo);
+    CHECK(Vec3(statistics.hi.x, statistics.hi.y, statistics.hi.z) == bounds_.hi);
   }
 
-  // One primitive lies on both sides of the only node; for none there is a leaf of NaNs.
-  void check_lone_leaf() const {
-    REQUIRE(nodes_.size() == 1);
-    REQUIRE(leaves_.size() == 1);
-    CHECK(nodes_[0].child.x == ~0U);
-    CHECK(nodes_[0].child.y == ~0U);
-    if (valid_.empty()) {
-      CHECK(primitive_of(0) == HR_NO_PRIMITIVE);
-      CHECK(std::isnan(leaves_[0].a.x));
-      CHECK(std::isnan(leaves_[0].b.x));
-      return;
-    }
-    CHECK(primitive_of(0) == valid_[0]);
-    CHECK(is_true_leaf(0));
-    CHECK(side_box(0, 0) == box_of(flat_, valid_[0]));
-    CHECK(side_box(0, 1) == box_of(flat_, valid_[0]));
-  }
-
-  void check_leaves(bool exact_order) const {
-    std::vector<std::uint32_t> order;
-    std::size_t untrue = 0;
-    for (std::size_t i = 0; i < leaves_.size(); i++) {
-      order.push_back(primitive_of(i));
-      untrue += is_true_leaf(i) ? 0 : 1;
-    }
-    CHECK(untrue == 0);
-    if (exact_order) {
-      const bool sorted = order == morton_order(flat_, valid_, accel_.statistics().morton_bits);
-      CHECK(sorted);
-    }
-    std::sort(order.begin(), order.end());
-    const bool each_once = order == valid_;
-    CHECK(each_once);
-  }
-
-  // Visits a node; its boxes must be the exact unions of what lies below. Returns that union.
-  HostBox walk(std::uint32_t node, int depth) {
-    REQUIRE(node < nodes_.size());
-    REQUIRE_FALSE(node_seen_[node]);
+  // Visits a node with `load` entries on the traversal's stack. Its boxes must be the exact unions of what lies below,
+  // and what lies below a child of a radix tree is a range of the Morton order.
+  Below walk(std::uint32_t node, std::uint32_t load) {
+    if (node >= node_seen_.size()) FAIL("a child refers to node " << node << " of " << node_seen_.size());
+    if (node_seen_[node]) FAIL("node " << node << " hangs in the tree twice");
     node_seen_[node] = true;
-    deepest_ = std::max(deepest_, depth);
-    HostBox all;
-    for (const int side : {0, 1}) {
-      const auto child = static_cast<std::int32_t>(side == 0 ? nodes_[node].child.x : nodes_[node].child.y);
-      HostBox below;
-      if (child < 0) {
-        const auto leaf = static_cast<std::size_t>(~child);
-        REQUIRE(leaf < leaves_.size());
-        REQUIRE_FALSE(leaf_seen_[leaf]);
-        leaf_seen_[leaf] = true;
-        below = box_of(flat_, primitive_of(leaf));
-      } else {
-        below = walk(static_cast<std::uint32_t>(child), depth + 1);
+    std::uint32_t children = 0;
+    for (unsigned lane = 0; lane < width_; lane++) children += child_of(node, lane) != -1 ? 1 : 0;
+    stack_need_ = std::max(stack_need_, load + children);
+    if (children == 0 && !valid_.empty()) FAIL("node " << node << " has no children");
+    Below all;
+    for (unsigned lane = 0; lane < width_; lane++) {
+      const std::int32_t child = child_of(node, lane);
+      Below below;
+      if (child >= 0) {
+        below = walk(static_cast<std::uint32_t>(child), load + children - 1);
+      } else if (child != -1) {
+        below = visit_leaf(~static_cast<std::uint32_t>(child));
       }
-      wrong_boxes_ += side_box(node, side) == below ? 0 : 1;
+      wrong_boxes_ += box_of_child(node, lane) == below.box ? 0 : 1;
+      wrong_lanes_ += word(nodes_, (node * 8 + 7) * std::size_t{width_} + lane) == 0 ? 0 : 1;
+      if (child != -1 && !places_.empty()) wrong_order_ += below.last - below.first + 1 == below.count ? 0 : 1;
       all.add(below);
     }
     return all;
   }
 
-  [[nodiscard]] HostBox side_box(std::size_t node, int side) const {
-    const shared::BvhNode& n = nodes_[node];
-    return side == 0 ? HostBox{{n.x.x, n.y.x, n.z.x}, {n.x.y, n.y.y, n.z.y}}
-                     : HostBox{{n.x.z, n.y.z, n.z.z}, {n.x.w, n.y.w, n.z.w}};
-  }
-
-  [[nodiscard]] std::uint32_t primitive_of(std::size_t leaf) const {
-    return std::bit_cast<std::uint32_t>(leaves_[leaf].a.w);
-  }
-
-  // Does the leaf hold the geometry of the primitive it names?
-  [[nodiscard]] bool is_true_leaf(std::size_t i) const {
-    const std::uint32_t primitive = primitive_of(i);
-    const shared::BvhLeaf& leaf = leaves_[i];
-    const auto is = [](const shared::float4& v, const Vec3& p) { return v.x == p.x && v.y == p.y && v.z == p.z; };
-    if (primitive < flat_.triangles.size()) {
-      const shared::uint4 t = flat_.triangles[primitive];
-      return is(leaf.a, vertex(flat_, t.x)) && is(leaf.b, vertex(flat_, t.y)) && is(leaf.c, vertex(flat_, t.z));
+  // `leaf`: first block << 4 | blocks. All blocks but the last are full, and a leaf has no more than max_leaf.
+  Below visit_leaf(std::uint32_t leaf) {
+    const std::uint32_t first = leaf >> 4U, blocks = leaf & 15U;
+    if (blocks == 0 || first + blocks > block_seen_.size()) {
+      FAIL("a leaf of " << blocks << " blocks from " << first << " on, of " << block_seen_.size());
     }
-    if (primitive - flat_.triangles.size() >= flat_.spheres.size()) return false;
-    const shared::float4 s = flat_.spheres[primitive - flat_.triangles.size()].center_radius;
-    return is(leaf.a, {s.x, s.y, s.z}) && leaf.b.x == s.w;
+    Below all;
+    for (std::uint32_t block = first; block < first + blocks; block++) {
+      if (block_seen_[block]) FAIL("block " << block << " is in two leaves");
+      block_seen_[block] = true;
+      for (unsigned lane = 0; lane < lanes_; lane++) {
+        const std::uint32_t primitive = word(blocks_, row(block, HR_BLOCK_PRIMITIVE_ROW, lane));
+        const bool must_be_used = block + 1 < first + blocks || lane == 0;
+        if (primitive == HR_NO_PRIMITIVE) {
+          wrong_lanes_ += !must_be_used && is_unused(block, lane) ? 0 : 1;
+          continue;
+        }
+        if (primitive >= flat_.triangles.size() + flat_.spheres.size()) FAIL("a block has primitive " << primitive);
+        wrong_lanes_ += is_true_lane(block, lane, primitive) ? 0 : 1;
+        found_.push_back(primitive);
+        const std::uint32_t place = places_.empty() ? 0 : places_[primitive];
+        all.add({box_of(flat_, primitive), place, place, 1});
+      }
+    }
+    CHECK(all.count <= std::min(options_.max_leaf, HR_MAX_LEAF_BLOCKS * lanes_));
+    return all;
+  }
+
+  [[nodiscard]] static std::uint32_t word(const std::vector<float>& words, std::size_t i) {
+    return std::bit_cast<std::uint32_t>(words[i]);
+  }
+  [[nodiscard]] std::size_t row(std::uint32_t block, unsigned row, unsigned lane) const {
+    return (std::size_t{block} * HR_BLOCK_ROWS + row) * lanes_ + lane;
+  }
+  [[nodiscard]] std::int32_t child_of(std::uint32_t node, unsigned lane) const {
+    return std::bit_cast<std::int32_t>(nodes_[(std::size_t{node} * 8 + HR_NODE_CHILD_ROW) * width_ + lane]);
+  }
+  [[nodiscard]] HostBox box_of_child(std::uint32_t node, unsigned lane) const {
+    const float* p = &nodes_[std::size_t{node} * 8 * width_ + lane];
+    return {{p[0], p[2 * width_], p[4 * width_]}, {p[width_], p[3 * width_], p[5 * width_]}};
+  }
+  [[nodiscard]] Vec3 point(std::uint32_t block, unsigned first_row, unsigned lane) const {
+    return {blocks_[row(block, first_row, lane)], blocks_[row(block, first_row + 1, lane)],
+            blocks_[row(block, first_row + 2, lane)]};
+  }
+
+  // An unused lane holds a point, which no ray meets.
+  [[nodiscard]] bool is_unused(std::uint32_t block, unsigned lane) const {
+    return point(block, 0, lane) == Vec3(0.0F) && point(block, 3, lane) == Vec3(0.0F) &&
+           point(block, 6, lane) == Vec3(0.0F);
+  }
+
+  // Does the lane hold the geometry of the primitive it names?
+  [[nodiscard]] bool is_true_lane(std::uint32_t block, unsigned lane, std::uint32_t primitive) const {
+    if (primitive >= flat_.triangles.size()) {
+      const shared::float4 s = flat_.spheres[primitive - flat_.triangles.size()].center_radius;
+      return point(block, 0, lane) == Vec3(s.x, s.y, s.z) && blocks_[row(block, 3, lane)] == s.w;
+    }
+    const shared::uint4 t = flat_.triangles[primitive];
+    const Vec3 a = vertex(flat_, t.x), b = vertex(flat_, t.y), c = vertex(flat_, t.z);
+    if (accel_.config().watertight) {
+      return point(block, 0, lane) == a && point(block, 3, lane) == b && point(block, 6, lane) == c;
+    }
+    return point(block, 0, lane) == a && point(block, 3, lane) == a - b && point(block, 6, lane) == c - a;
   }
 
   const FlatScene& flat_;
   const Accel& accel_;
-  std::vector<shared::BvhNode> nodes_;
-  std::vector<shared::BvhLeaf> leaves_;
-  std::vector<std::uint32_t> valid_;
-  std::vector<bool> node_seen_, leaf_seen_;
-  int deepest_ = 0;
-  std::size_t wrong_boxes_ = 0;
+  AccelOptions options_;
+  unsigned width_, lanes_;
+  std::vector<float> nodes_, blocks_;
+  HostBox bounds_;
+  std::vector<std::uint32_t> valid_, found_, places_;
+  std::vector<bool> node_seen_, block_seen_;
+  std::uint32_t stack_need_ = 0;
+  std::size_t wrong_boxes_ = 0, wrong_lanes_ = 0, wrong_order_ = 0;
 };
 
 }  // namespace hemiray::test

@@ -6,8 +6,10 @@
 #include <string>
 
 #include "host/base/error.hpp"
+#include "host/gpu/buffer.hpp"
 #include "host/gpu/context.hpp"
 #include "host/gpu/device.hpp"
+#include "host/gpu/device_list.hpp"
 #include "tests/support/kernel_folder.hpp"
 #include "tests/support/run_program.hpp"
 
@@ -97,17 +99,91 @@ TEST_CASE("no device at all: exit code 1 and the package to install") {
   CHECK(std::filesystem::is_empty(empty.path()));
 }
 
-TEST_CASE("the profile suits the kind of device") {
-  DeviceInfo device;
-  device.kind = DeviceKind::cpu;
-  device.compute_units = 3;
-  const DeviceProfile cpu = profile_for(device);
-  CHECK(cpu.chunks == 12);
-  CHECK_FALSE(cpu.has_own_cache);
-  device.platform = "Portable Computing Language";
-  CHECK(profile_for(device).has_own_cache);
-  device.kind = DeviceKind::gpu;
-  CHECK(profile_for(device).wave_slots > cpu.wave_slots);
+TEST_CASE("devices are chosen by lists, all at once, or as parts of one") {
+  const test::ScopedVariable none("HEMIRAY_DEVICE", std::nullopt);
+  const std::vector<DeviceInfo> devices = list_devices();
+  std::vector<int> usable;
+  std::string list;
+  for (const DeviceInfo& device : devices) {
+    if (!device.usable) continue;
+    usable.insert(usable.begin(), device.index);
+    list = std::to_string(device.index) + (list.empty() ? "" : " , ") + list;  // backwards, with blanks
+  }
+  const auto indices = [](const std::vector<DeviceInfo>& chosen) {
+    std::vector<int> all;
+    for (const DeviceInfo& device : chosen) all.push_back(device.index);
+    return all;
+  };
+  CHECK(indices(choose_devices(list)) == usable);
+  std::vector<int> forwards(usable.rbegin(), usable.rend());
+  CHECK(indices(choose_devices("all")) == forwards);
+  CHECK(indices(choose_devices("")) == std::vector<int>{choose_device("").index});
+  for (const DeviceInfo& device : devices) {
+    if (!device.usable) continue;
+    CHECK(indices(choose_devices(std::to_string(device.index))) == std::vector<int>{device.index});
+    CHECK(choose_devices(device.name).front().name == device.name);
+    CHECK(choose_devices(device.name).front().part == 0);
+    CHECK(label_of(device) == device.name);
+  }
+  const test::ScopedVariable variable("HEMIRAY_DEVICE", list);
+  CHECK(indices(choose_devices("")) == usable);
+}
+
+TEST_CASE("a wrong list of devices is an input error that names the wrong part") {
+  const test::ScopedVariable none("HEMIRAY_DEVICE", std::nullopt);
+  const DeviceInfo device = choose_device("");
+  const std::string index = std::to_string(device.index);
+  const auto check_wrong = [](const std::string& selector, const std::string& part) {
+    INFO(selector);
+    CHECK_THROWS_AS(choose_devices(selector), InputError);
+    CHECK_THROWS_WITH(choose_devices(selector), Catch::StartsWith("--device: ") && Catch::Contains(part));
+  };
+  check_wrong(index + ",no such device", "'no such device'");
+  check_wrong(index + ",99", "no device 99");
+  check_wrong(index + "," + index, "device " + index + " " + device.name + " twice");
+  check_wrong(index + "," + to_string(device.kind), "twice");  // by another name
+  check_wrong(index + ",", "between two commas");
+  check_wrong("," + index, "between two commas");
+  check_wrong(index + ",all", "'all' stands alone");
+  check_wrong("split:", "'split:'");
+  check_wrong("split:0", "'split:0'");
+  check_wrong("split:-2", "'split:-2'");
+  check_wrong("split:2x", "'split:2x'");
+  check_wrong("split:1000000", device.name + " has " + std::to_string(device.compute_units) + " compute units");
+  check_wrong("split:1," + index, "twice");
+  const test::ScopedVariable variable("HEMIRAY_DEVICE", "99," + index);
+  CHECK_THROWS_WITH(choose_devices(""), Catch::StartsWith("HEMIRAY_DEVICE: there is no device 99"));
+  CHECK_NOTHROW(choose_devices(index));
+}
+
+TEST_CASE("a split device is as many parts that share its compute units") {
+  const DeviceInfo whole = choose_device("");
+  CHECK(split_device(whole, 1, "--device").front().part == 0);
+  if (whole.compute_units < 2) {
+    WARN("one compute unit only: not tested");
+    return;
+  }
+  for (int parts = 2; parts <= std::min<int>(static_cast<int>(whole.compute_units), 5); parts++) {
+    const std::vector<DeviceInfo> split = choose_devices("split:" + std::to_string(parts));
+    CAPTURE(parts);
+    REQUIRE(split.size() == static_cast<std::size_t>(parts));
+    std::uint64_t units = 0, most = 0;
+    for (std::size_t i = 0; i < split.size(); i++) {
+      const DeviceInfo& part = split[i];
+      CHECK(part.index == whole.index);
+      CHECK(part.name == whole.name);  // the key of cached programs
+      CHECK(part.part == static_cast<int>(i) + 1);
+      CHECK(label_of(part) == whole.name + ", part " + std::to_string(i + 1) + " of " + std::to_string(parts));
+      units += part.compute_units;
+      most = std::max(most, part.compute_units);
+      for (const DeviceInfo& other : split) CHECK((&other == &part || other.handle() != part.handle()));
+      Context context(part);
+      const std::vector<std::uint32_t> data{1, 2, 3};
+      CHECK(Buffer<std::uint32_t>(context, "probe", data).read() == data);
+    }
+    CHECK(units == whole.compute_units);
+    CHECK(most - whole.compute_units / split.size() <= 1);
+  }
 }
 
 }  // namespace hemiray

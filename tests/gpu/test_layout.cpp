@@ -32,8 +32,9 @@ static_assert(sizeof(shared::Sphere) == 32 && alignof(shared::Sphere) == 16);
 static_assert(sizeof(shared::Plane) == 48 && alignof(shared::Plane) == 16);
 static_assert(sizeof(shared::Light) == 112 && alignof(shared::Light) == 16);
 static_assert(sizeof(shared::Emitter) == 16);
-static_assert(sizeof(shared::BvhNode) == 64 && alignof(shared::BvhNode) == 16);
-static_assert(sizeof(shared::BvhLeaf) == 48 && alignof(shared::BvhLeaf) == 16);
+static_assert(sizeof(shared::Box) == 32 && alignof(shared::Box) == 16);
+static_assert(sizeof(shared::BinaryNode) == 64 && alignof(shared::BinaryNode) == 16);
+static_assert(sizeof(shared::CollapseRegion) == 48);
 static_assert(sizeof(shared::BoundsPartial) == 80 && alignof(shared::BoundsPartial) == 16);
 static_assert(sizeof(shared::QueryRay) == 32 && alignof(shared::QueryRay) == 16);
 static_assert(sizeof(shared::QueryHit) == 16);
@@ -76,8 +77,13 @@ const std::vector<Layout>& layouts() {
        {HR_FOUR(Light, position, direction, intensity, edge_u), HR_FOUR(Light, edge_v, kind, samples_u, samples_v),
         HR_FOUR(Light, sample_count, first_sample, jitter, first_primitive), HR_MEMBER(Light, primitive_count)}},
       {"Emitter", sizeof(shared::Emitter), {HR_FOUR(Emitter, primitive, cumulative, inverse_pdf, pad)}},
-      {"BvhNode", sizeof(shared::BvhNode), {HR_FOUR(BvhNode, x, y, z, child)}},
-      {"BvhLeaf", sizeof(shared::BvhLeaf), {HR_MEMBER(BvhLeaf, a), HR_MEMBER(BvhLeaf, b), HR_MEMBER(BvhLeaf, c)}},
+      {"Box", sizeof(shared::Box), {HR_MEMBER(Box, lo), HR_MEMBER(Box, hi)}},
+      {"BinaryNode", sizeof(shared::BinaryNode), {HR_FOUR(BinaryNode, x, y, z, child)}},
+      {"CollapseRegion",
+       sizeof(shared::CollapseRegion),
+       {HR_FOUR(CollapseRegion, root, primitives, stack_load, parent_slot),
+        HR_FOUR(CollapseRegion, draft_node, first_leaf, nodes, blocks),
+        HR_FOUR(CollapseRegion, stack, final_node, final_block, pad)}},
       {"BoundsPartial",
        sizeof(shared::BoundsPartial),
        {HR_FOUR(BoundsPartial, lo, hi, centroid_lo, centroid_hi),

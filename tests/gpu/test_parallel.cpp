@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <numeric>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "host/gpu/parallel.hpp"
+#include "tests/support/profile_file.hpp"
 
 namespace hemiray {
 namespace {
@@ -20,36 +21,37 @@ constexpr std::uint32_t kSizes[] = {0,   1,    2,    3,    7,    8,    9,    15,
                                     33,  63,   64,   65,   127,  128,  129,  255,   256,   257,   511,   512,
                                     513, 1023, 1024, 1025, 4095, 4096, 4097, 65535, 65536, 65537, 100000};
 
-// Sorts on the device with values 0, 1, 2, ...; the array may be longer than what is sorted.
-struct Sorted {
-  Keys keys;
-  Values values;
-};
+constexpr unsigned kIndexBits = 17;  // enough for the places of the largest count
 
-Sorted sort_on_device(Context& context, Parallel& parallel, const Keys& keys, std::uint32_t count, unsigned bits) {
-  Values values(keys.size());
-  std::iota(values.begin(), values.end(), 0U);
+// Sorts the first `count` keys on the device; the array may be longer.
+Keys sort_on_device(Context& context, Parallel& parallel, const Keys& keys, std::uint32_t count, unsigned first_bit,
+                    unsigned bits) {
   Buffer<std::uint64_t> device_keys(context, "keys", std::span<const std::uint64_t>(keys));
-  Buffer<std::uint32_t> device_values(context, "values", std::span<const std::uint32_t>(values));
-  parallel.sort(device_keys, device_values, count, bits);
-  return {device_keys.read(), device_values.read()};
+  Buffer<std::uint64_t> scratch(context, "scratch", keys.size());
+  parallel.sort(device_keys, scratch, count, first_bit, bits);
+  Keys sorted = device_keys.read();
+  sorted.resize(count);
+  return sorted;
 }
 
-// The first `count` keys must come out as std::stable_sort orders them by their low `bits` bits; equal keys keep their
-// order, which the values show.
-void check_sort(Context& context, Parallel& parallel, const Keys& keys, unsigned bits) {
+// The keys must come out as std::stable_sort orders them by their bits [first_bit, first_bit + bits): whole keys are
+// compared, so whatever lies in the other bits comes along.
+void check_sort(Context& context, Parallel& parallel, const Keys& keys, unsigned first_bit, unsigned bits) {
   const auto count = static_cast<std::uint32_t>(keys.size());
   const std::uint64_t mask = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
-  Values order(count);
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return (keys[a] & mask) < (keys[b] & mask); });
-  Keys expected;
-  for (const std::uint32_t i : order) expected.push_back(keys[i]);
-  const Sorted sorted = sort_on_device(context, parallel, keys, count, bits);
-  INFO(count << " keys, " << bits << " bits");
-  REQUIRE(sorted.values == order);
-  REQUIRE(sorted.keys == expected);
+  const auto digits = [&](std::uint64_t key) { return key >> first_bit & mask; };
+  Keys expected = keys;
+  std::stable_sort(expected.begin(), expected.end(),
+                   [&](std::uint64_t a, std::uint64_t b) { return digits(a) < digits(b); });
+  INFO(count << " keys, " << bits << " bits from " << first_bit << " on");
+  const bool sorted = sort_on_device(context, parallel, keys, count, first_bit, bits) == expected;
+  REQUIRE(sorted);
+}
+
+// The key's own place in its low bits: sorted by the others, it shows whether equal keys keep their order.
+Keys with_places(Keys keys) {
+  for (std::size_t i = 0; i < keys.size(); i++) keys[i] = keys[i] >> kIndexBits << kIndexBits | i;
+  return keys;
 }
 
 Keys random_keys(std::uint32_t count, std::uint64_t seed, std::uint64_t mask = ~std::uint64_t{0}) {
@@ -81,7 +83,10 @@ TEST_CASE("the scan is the exclusive prefix sum, and the total follows") {
 TEST_CASE("the sort is std::stable_sort for random keys of many counts") {
   Context context(choose_device(""));
   Parallel parallel(context);
-  for (const std::uint32_t count : kSizes) check_sort(context, parallel, random_keys(count, count + 1U), 64);
+  for (const std::uint32_t count : kSizes) {
+    check_sort(context, parallel, random_keys(count, count + 1U), 0, 64);
+    check_sort(context, parallel, with_places(random_keys(count, count + 2U)), kIndexBits, 12);
+  }
 }
 
 TEST_CASE("the sort is std::stable_sort for keys with a pattern") {
@@ -90,26 +95,41 @@ TEST_CASE("the sort is std::stable_sort for keys with a pattern") {
   for (const std::uint32_t count : {2U, 255U, 256U, 257U, 1000U, 100000U}) {
     Keys keys = random_keys(count, 9);
     std::sort(keys.begin(), keys.end());
-    check_sort(context, parallel, keys, 64);  // sorted already
+    check_sort(context, parallel, keys, 0, 64);  // sorted already
     std::reverse(keys.begin(), keys.end());
-    check_sort(context, parallel, keys, 64);                                         // reversed
-    check_sort(context, parallel, Keys(count, 0x0123456789abcdefU), 64);             // all equal
-    check_sort(context, parallel, random_keys(count, 10, 0x3U), 64);                 // few distinct
-    check_sort(context, parallel, random_keys(count, 11, 0xff00000000000000U), 64);  // the last digit only
+    check_sort(context, parallel, keys, 0, 64);                                         // reversed
+    check_sort(context, parallel, Keys(count, 0x0123456789abcdefU), 0, 64);             // all equal
+    check_sort(context, parallel, random_keys(count, 10, 0x3U), 0, 64);                 // few distinct
+    check_sort(context, parallel, random_keys(count, 11, 0xff00000000000000U), 0, 64);  // the last digit only
+    check_sort(context, parallel, with_places(random_keys(count, 12, 0xffU << kIndexBits)), kIndexBits, 8);
     Keys outlier(count, 0);
     outlier.front() = ~std::uint64_t{0};
-    check_sort(context, parallel, outlier, 64);
+    check_sort(context, parallel, outlier, 0, 64);
   }
 }
 
-TEST_CASE("only the low bits count, whole digits of them") {
+TEST_CASE("only the bits asked for count, wherever they lie") {
   Context context(choose_device(""));
   Parallel parallel(context);
   const Keys keys = random_keys(5000, 12);
-  for (const unsigned bits : {8U, 16U, 24U, 32U, 48U, 64U}) check_sort(context, parallel, keys, bits);
-  // A number of bits that is no whole digit sorts by the digit it lies in: keys with nothing above are in order.
-  for (const unsigned bits : {1U, 7U, 31U, 33U, 63U}) {
-    check_sort(context, parallel, random_keys(5000, 13, (std::uint64_t{1} << bits) - 1), bits);
+  for (const unsigned bits : {0U, 1U, 2U, 7U, 10U, 11U, 12U, 21U, 22U, 23U, 33U, 34U, 44U, 45U, 63U}) {
+    for (const unsigned first : {0U, 1U, 13U, 31U, 33U}) {
+      if (first + bits <= 64) check_sort(context, parallel, keys, first, bits);
+    }
+    check_sort(context, parallel, keys, 64 - bits - (bits == 0 ? 1 : 0), bits);  // the highest
+  }
+}
+
+TEST_CASE("the sort is std::stable_sort with any number of chunks") {
+  for (const std::string chunks : {"1", "2", "7", "300"}) {
+    const test::ProfileFile profile(
+        test::ProfileFile::for_all(R"("chunks": )" + chunks + R"(, "chunk_local_size": 4)"));
+    Context context(choose_device(""));
+    Parallel parallel(context);
+    INFO(chunks << " chunks");
+    for (const std::uint32_t count : {2U, 6U, 7U, 8U, 1000U, 65537U}) {
+      check_sort(context, parallel, with_places(random_keys(count, 17)), kIndexBits, 33);
+    }
   }
 }
 
@@ -117,19 +137,18 @@ TEST_CASE("no more keys are sorted than asked for") {
   Context context(choose_device(""));
   Parallel parallel(context);
   const Keys keys = random_keys(1000, 14);
-  const Sorted sorted = sort_on_device(context, parallel, keys, 700, 64);
   Keys expected(keys.begin(), keys.begin() + 700);
   std::sort(expected.begin(), expected.end());
-  CHECK(std::equal(expected.begin(), expected.end(), sorted.keys.begin()));
+  CHECK(sort_on_device(context, parallel, keys, 700, 0, 64) == expected);
 }
 
-TEST_CASE("sorting gives its scratch back") {
+TEST_CASE("sorting takes no memory of its own") {
   Context context(choose_device(""));
   Parallel parallel(context);
   const std::uint64_t before = context.allocated_bytes();
-  check_sort(context, parallel, random_keys(1000, 15), 64);
+  check_sort(context, parallel, random_keys(1000, 15), 0, 64);
   CHECK(context.allocated_bytes() == before);
-  CHECK(context.peak_bytes() >= 2 * 1000 * (sizeof(std::uint64_t) + sizeof(std::uint32_t)));
+  CHECK(context.peak_bytes() == before + 2 * 1000 * sizeof(std::uint64_t));
 }
 
 }  // namespace hemiray

@@ -103,7 +103,7 @@ Image render_in_waves(const ComparisonScene& item, EngineKind kind, std::uint32_
   AccelBuilder builder(context, parallel);
   const Accel accel(builder, scene);
   Film film(context, features, options.width, options.height);
-  const auto engine = make_engine(kind, context, parallel, features, true, slots, options.depth);
+  const auto engine = make_engine(kind, context, parallel, accel.program_options(features, true), slots, options.depth);
   shared::RenderParams params{};
   set_camera(params, item.scene.camera, options.width, options.height);
   params.background = {item.scene.background.x, item.scene.background.y, item.scene.background.z, 0.0F};

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""Draws what `hemiray bench --json FILE` wrote. Usage: plot.py FILE FOLDER
+
+Into FOLDER, each as .png and .svg: rates (Mrays/s of every tracer, a panel for each scene and size), builds (ms of every
+tree), and, where a scene was measured at several sizes, growth (both against the number of triangles)."""
+import json
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+OURS = "#1b6ca8"
+THEIRS = "#9a9a9a"
+INVALID = "#c0392b"
+
+
+def colour(name, valid=True):
+    if not valid:
+        return INVALID
+    return OURS if name.startswith("device/") else THEIRS
+
+
+def title(scene):
+    return f"{os.path.basename(scene['scene'])}, {scene['triangles']:,} triangles"
+
+
+def unique(items):
+    return list(dict.fromkeys(items))
+
+
+def save(figure, folder, name):
+    figure.tight_layout()
+    for ending in ("png", "svg"):
+        figure.savefig(os.path.join(folder, f"{name}.{ending}"), dpi=120)
+    plt.close(figure)
+
+
+def bars(axis, labels, spreads, colours, unit):
+    """Horizontal bars of the medians, the first on top, with whiskers from least to most."""
+    medians = [s["median"] for s in spreads]
+    errors = [[s["median"] - s["least"] for s in spreads], [s["most"] - s["median"] for s in spreads]]
+    places = range(len(labels))
+    axis.barh(places, medians, xerr=errors, color=colours, error_kw={"elinewidth": 0.8, "ecolor": "#333333"})
+    axis.set_yticks(list(places))
+    axis.set_yticklabels(labels, fontsize=7)
+    axis.invert_yaxis()
+    axis.set_xlabel(unit, fontsize=8)
+    axis.tick_params(axis="x", labelsize=7)
+
+
+def rate_spread(trace):
+    """The spread of a rate [Mrays/s]: the least time is the most rate."""
+    rate = {key: trace["ray_count"] / (ms * 1e3) for key, ms in trace["ms"].items() if key != "runs"}
+    return {"median": rate["median"], "least": rate["most"], "most": rate["least"]}
+
+
+def draw_rates(scenes, folder):
+    sets = unique(t["rays"] for scene in scenes for t in scene["traces"])
+    most = max(sum(t["rays"] == s for t in scene["traces"]) for scene in scenes for s in sets)
+    height = 0.8 + 0.2 * most
+    figure, axes = plt.subplots(len(scenes), len(sets), figsize=(4.2 * len(sets), height * len(scenes)), squeeze=False)
+    for row, scene in enumerate(scenes):
+        for column, name in enumerate(sets):
+            traces = [t for t in scene["traces"] if t["rays"] == name]
+            colours = [colour(t["tracer"], t["valid"]) for t in traces]
+            axis = axes[row][column]
+            bars(axis, [t["tracer"] for t in traces], [rate_spread(t) for t in traces], colours, "Mrays/s")
+            axis.set_title(f"{name}: {title(scene)}", fontsize=8)
+    save(figure, folder, "rates")
+
+
+def draw_builds(scenes, folder):
+    height = 0.8 + 0.25 * max(len(scene["builds"]) for scene in scenes)
+    figure, axes = plt.subplots(len(scenes), 1, figsize=(6.5, height * len(scenes)), squeeze=False)
+    for axis, scene in zip(axes[:, 0], scenes):
+        names = [b["tree"] for b in scene["builds"]]
+        bars(axis, names, [b["ms"] for b in scene["builds"]], [colour(name) for name in names], "ms")
+        axis.set_title(f"build: {title(scene)}", fontsize=8)
+    save(figure, folder, "builds")
+
+
+def draw_growth(scenes, folder):
+    names = [name for name in unique(s["scene"] for s in scenes) if sum(s["scene"] == name for s in scenes) > 1]
+    if not names:
+        return
+    figure, axes = plt.subplots(len(names), 2, figsize=(11, 4 * len(names)), squeeze=False)
+    for row, name in enumerate(names):
+        of_name = sorted((s for s in scenes if s["scene"] == name), key=lambda s: s["triangles"])
+        build, trace = axes[row]
+        for tree in unique(b["tree"] for s in of_name for b in s["builds"]):
+            points = [(s["triangles"], b["ms"]["median"]) for s in of_name for b in s["builds"] if b["tree"] == tree]
+            build.loglog(*zip(*points), marker="o", markersize=3, label=tree)
+        for tracer in unique(t["tracer"] for s in of_name for t in s["traces"] if t["rays"] == "diffuse"):
+            points = [
+                (s["triangles"], 1e3 / t["mrays_per_s"])
+                for s in of_name
+                for t in s["traces"]
+                if t["rays"] == "diffuse" and t["tracer"] == tracer
+            ]
+            trace.semilogx(*zip(*points), marker="o", markersize=3, label=tracer)
+        for axis, what, unit in ((build, "build", "ms"), (trace, "diffuse rays", "ns a ray")):
+            axis.set_title(f"{os.path.basename(name)}: {what}", fontsize=9)
+            axis.set_xlabel("triangles")
+            axis.set_ylabel(unit)
+            axis.grid(True, which="major", linewidth=0.3)
+            axis.legend(fontsize=6)
+    save(figure, folder, "growth")
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    with open(sys.argv[1], encoding="utf-8") as file:
+        report = json.load(file)
+    if report["scenes"]:
+        draw_rates(report["scenes"], sys.argv[2])
+        draw_builds(report["scenes"], sys.argv[2])
+        draw_growth(report["scenes"], sys.argv[2])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+#include "host/app/bench_contenders.hpp"
+
+#include "host/base/error.hpp"
+#include "host/bench/device_tracer.hpp"
+#ifdef HR_HAS_EMBREE
+#include "bench/peers/embree_peer.hpp"
+#endif
+
+namespace hemiray::app {
+namespace {
+
+// Each tree takes about a gigabyte at ten million triangles: above this only what matters most is compared.
+constexpr std::size_t kMostTrianglesOfAll = 3'000'000;
+
+using bench::TraceMode;
+using Workshop = std::shared_ptr<bench::DeviceWorkshop>;
+
+void add_device(const Workshop& workshop, bench::Tracers& tracers, TreeBuilder tree, TriangleTest triangles,
+                TraceMode mode) {
+  tracers.push_back(bench::make_device_tracer(workshop, {tree, triangles, mode}));
+}
+
+void add_quality_tree(const Workshop& workshop, bench::Tracers& tracers) {
+  for (const TraceMode mode : {TraceMode::single, TraceMode::packet}) {
+    for (const TriangleTest triangles : {TriangleTest::watertight, TriangleTest::fast}) {
+      add_device(workshop, tracers, TreeBuilder::quality, triangles, mode);
+    }
+  }
+}
+
+#ifdef HR_HAS_EMBREE
+
+using bench::EmbreeMode;
+using bench::EmbreeQuality;
+
+void add_embree(bench::Tracers& tracers, const ContenderOptions& options, EmbreeQuality quality, bool robust,
+                EmbreeMode mode) {
+  tracers.push_back(bench::make_embree_peer({quality, robust, mode, options.threads}));
+}
+
+void add_peers(bench::Tracers& tracers, const ContenderOptions& options, std::size_t triangles) {
+  const auto add = [&](EmbreeQuality quality, bool robust, EmbreeMode mode) {
+    add_embree(tracers, options, quality, robust, mode);
+  };
+  for (const EmbreeMode mode : {EmbreeMode::single, EmbreeMode::eight, EmbreeMode::sixteen, EmbreeMode::stream}) {
+    add(EmbreeQuality::medium, false, mode);
+  }
+  add(EmbreeQuality::medium, true, EmbreeMode::single);
+  add(EmbreeQuality::low, false, EmbreeMode::single);
+  if (options.quick) return;
+  for (const EmbreeMode mode : {EmbreeMode::eight, EmbreeMode::sixteen, EmbreeMode::stream}) {
+    add(EmbreeQuality::medium, true, mode);
+  }
+  if (triangles <= kMostTrianglesOfAll) add(EmbreeQuality::high, false, EmbreeMode::single);
+}
+
+void add_leak_peers(bench::Tracers& tracers, const ContenderOptions& options) {
+  for (const bool robust : {false, true}) {
+    add_embree(tracers, options, EmbreeQuality::medium, robust, EmbreeMode::single);
+    add_embree(tracers, options, EmbreeQuality::medium, robust, EmbreeMode::sixteen);
+  }
+}
+
+#else
+
+void add_peers(bench::Tracers& /*tracers*/, const ContenderOptions& /*options*/, std::size_t /*triangles*/) {
+  peer_name();  // throws
+}
+void add_leak_peers(bench::Tracers& /*tracers*/, const ContenderOptions& /*options*/) { peer_name(); }
+
+#endif
+
+}  // namespace
+
+std::string peer_name() {
+#ifdef HR_HAS_EMBREE
+  return "Embree " + bench::embree_version();
+#else
+  throw InputError("--peers", "this build has no Embree; install libembree-dev, configure and build again");
+#endif
+}
+
+bench::Tracers make_tracers(Context& context, const ContenderOptions& options, std::size_t triangles) {
+  bench::Tracers tracers;
+  if (options.peers) add_peers(tracers, options, triangles);
+  const auto workshop = std::make_shared<bench::DeviceWorkshop>(context);
+  add_quality_tree(workshop, tracers);
+  add_device(workshop, tracers, TreeBuilder::fast, TriangleTest::fast, TraceMode::single);
+  if (!options.quick && triangles <= kMostTrianglesOfAll) {
+    add_device(workshop, tracers, TreeBuilder::fast, TriangleTest::watertight, TraceMode::single);
+  }
+  return tracers;
+}
+
+bench::Tracers make_leak_tracers(Context& context, const ContenderOptions& options) {
+  bench::Tracers tracers;
+  add_quality_tree(std::make_shared<bench::DeviceWorkshop>(context), tracers);
+  if (options.peers) add_leak_peers(tracers, options);
+  return tracers;
+}
+
+}  // namespace hemiray::app

@@ -1,0 +1,132 @@
+#include "host/bench/device_tracer.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "host/bvh/ray_queries.hpp"
+#include "shared/features.h"
+
+namespace hemiray::bench {
+namespace {
+
+// The triangles on the device and the tree over them.
+struct DeviceBuild {
+  DeviceBuild(DeviceWorkshop& workshop, const FlatScene& flat, const AccelOptions& options)
+      : scene(*workshop.context, flat, HR_FEATURE_TRIANGLES), accel(workshop.builder, scene, options) {}
+  DeviceScene scene;
+  Accel accel;
+};
+
+// What the profiler has counted between two moments.
+std::vector<StageTime> difference(const std::vector<StageTime>& before, std::vector<StageTime> after) {
+  for (StageTime& stage : after) {
+    const auto same = [&](const StageTime& other) { return other.name == stage.name; };
+    const auto earlier = std::find_if(before.begin(), before.end(), same);
+    if (earlier == before.end()) continue;
+    stage.launches -= earlier->launches;
+    stage.items -= earlier->items;
+    stage.milliseconds -= earlier->milliseconds;
+  }
+  std::erase_if(after, [](const StageTime& stage) { return stage.launches == 0; });
+  return after;
+}
+
+class DeviceTracer final : public Tracer {
+ public:
+  DeviceTracer(std::shared_ptr<DeviceWorkshop> workshop, const DeviceTracerSettings& settings)
+      : workshop_(std::move(workshop)), settings_(settings) {}
+
+  std::string name() const override {
+    return build_name() + (settings_.triangles == TriangleTest::watertight ? "/watertight" : "/fast") +
+           (in_packets() ? "/packet" : "/single");
+  }
+  std::string build_name() const override {
+    return settings_.tree == TreeBuilder::quality ? "device/quality" : "device/fast";
+  }
+  bool in_packets() const override { return settings_.mode == TraceMode::packet; }
+
+  double build(const FlatScene& flat) override {
+    queries_.reset();  // before the new one takes its memory
+    build_.reset();
+    context().finish();
+    const std::vector<StageTime> before = context().profiler().stages();
+    AccelOptions options;
+    options.builder = settings_.tree;
+    options.triangle_test = settings_.triangles;
+    build_ = std::make_shared<DeviceBuild>(*workshop_, flat, options);
+    context().finish();
+    stages_ = difference(before, context().profiler().stages());
+    return build_->accel.statistics().build_ms;
+  }
+  bool share_build(const Tracer& other) override {
+    const auto* tracer = dynamic_cast<const DeviceTracer*>(&other);
+    // The triangle tests lay their leaf blocks out differently.
+    if (tracer == nullptr || !tracer->build_ || tracer->settings_.tree != settings_.tree ||
+        tracer->settings_.triangles != settings_.triangles) {
+      return false;
+    }
+    queries_.reset();
+    build_ = tracer->build_;
+    return true;
+  }
+  std::vector<StageTime> build_stages() const override { return stages_; }
+  std::optional<TreeFacts> facts() const override {
+    if (!build_) return std::nullopt;
+    const Accel& accel = build_->accel;
+    const AccelStatistics& made = accel.statistics();
+    const std::vector<float> nodes = accel.nodes().read(0, made.nodes * accel.config().node_words());
+    return tree_facts(nodes, accel.config().width, made.primitives, made.blocks, accel.config().leaf_lanes);
+  }
+
+  void load_rays(std::span<const shared::QueryRay> rays) override {
+    if (rays.size() % 64 != 0) throw std::logic_error("rays come in multiples of 64");
+    if (!build_) throw std::logic_error("rays before a build");
+    if (!queries_)
+      queries_ = std::make_unique<RayQueries>(context(), build_->scene, build_->accel, false,
+                                              in_packets() ? RayGrouping::packets : RayGrouping::single);
+    if (rays_.size() != rays.size()) {
+      rays_ = {}, hits_ = {}, occlusions_ = {};
+      rays_ = Buffer<shared::QueryRay>(context(), "rays", rays.size());
+      hits_ = Buffer<shared::QueryHit>(context(), "hits", rays.size());
+      occlusions_ = Buffer<std::uint32_t>(context(), "occluded", rays.size());
+    }
+    rays_.write(rays);
+  }
+  void intersect() override {
+    queries().intersect(rays_, hits_, count());
+    context().finish();
+  }
+  void occluded() override {
+    queries().occluded(rays_, occlusions_, count());
+    context().finish();
+  }
+  std::vector<shared::QueryHit> hits() override { return hits_.read(); }
+  std::vector<std::uint32_t> occlusions() override { return occlusions_.read(); }
+
+ private:
+  Context& context() { return *workshop_->context; }
+  RayQueries& queries() {
+    if (!queries_) throw std::logic_error("a question before its rays");
+    return *queries_;
+  }
+  [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(rays_.size()); }
+
+  std::shared_ptr<DeviceWorkshop> workshop_;
+  DeviceTracerSettings settings_;
+  std::shared_ptr<DeviceBuild> build_;
+  std::unique_ptr<RayQueries> queries_;
+  std::vector<StageTime> stages_;
+  Buffer<shared::QueryRay> rays_;
+  Buffer<shared::QueryHit> hits_;
+  Buffer<std::uint32_t> occlusions_;
+};
+
+}  // namespace
+
+std::unique_ptr<Tracer> make_device_tracer(std::shared_ptr<DeviceWorkshop> workshop,
+                                           const DeviceTracerSettings& settings) {
+  return std::make_unique<DeviceTracer>(std::move(workshop), settings);
+}
+
+}  // namespace hemiray::bench

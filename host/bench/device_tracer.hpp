@@ -1,0 +1,35 @@
+// hemiray's own tree and traversal behind the benchmark's interface.
+#pragma once
+
+#include <memory>
+
+#include "host/bench/tracer.hpp"
+#include "host/bvh/accel.hpp"
+#include "host/gpu/context.hpp"
+
+namespace hemiray::bench {
+
+/// How a tracer asks its rays; packets only where origins are common.
+enum class TraceMode { single, packet };
+
+struct DeviceTracerSettings {
+  TreeBuilder tree = TreeBuilder::quality;
+  TriangleTest triangles = TriangleTest::watertight;
+  TraceMode mode = TraceMode::single;
+};
+
+/// The programs and working memory that all tracers of a device build with. The context must outlive it.
+struct DeviceWorkshop {
+  explicit DeviceWorkshop(Context& device_context)
+      : context(&device_context), parallel(device_context), builder(device_context, parallel, true) {}
+  Context* context;
+  Parallel parallel;
+  AccelBuilder builder;
+};
+
+/// Named "device/TREE/TRIANGLES/MODE", such as "device/quality/watertight/single". Members throw DeviceError where the
+/// device fails.
+std::unique_ptr<Tracer> make_device_tracer(std::shared_ptr<DeviceWorkshop> workshop,
+                                           const DeviceTracerSettings& settings);
+
+}  // namespace hemiray::bench

@@ -1,0 +1,40 @@
+// The search for a device's best profile: one number after the other, each at its fastest value.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/gpu/device_profile.hpp"
+
+namespace hemiray::bench {
+
+/// Numbers that are tried together.
+struct TuningStep {
+  std::string name;
+  std::vector<DeviceProfile> candidates;  ///< the first is the one to beat
+};
+
+/// What a candidate costs [ms]; may throw DeviceError where the device cannot run it.
+using TuningCost = std::function<double(const DeviceProfile&)>;
+
+struct TuningTrial {
+  std::string step;
+  DeviceProfile profile;
+  double cost_ms = 0.0;  ///< infinite where the device failed
+  bool chosen = false;
+};
+
+/// How much faster a candidate must be to replace what stands: less is noise.
+inline constexpr double kTuningGain = 0.02;
+
+/// The steps for a device, made one by one from what the earlier ones chose.
+std::vector<std::string> tuning_step_names();
+TuningStep tuning_step(const std::string& name, const DeviceProfile& standing);
+
+/// Goes through all steps from `start` on; returns the best profile and appends every trial. `cost` is asked twice a
+/// candidate and the lesser counts.
+DeviceProfile tune(const DeviceProfile& start, const TuningCost& cost, std::vector<TuningTrial>& trials,
+                   const std::function<void(double fraction)>& on_progress = {});
+
+}  // namespace hemiray::bench

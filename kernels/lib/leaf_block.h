@@ -1,0 +1,203 @@
+// A ray against one block of a leaf: HR_L primitives side by side, a row a coordinate (shared/bvh_types.h).
+#ifndef HR_LIB_LEAF_BLOCK_H
+#define HR_LIB_LEAF_BLOCK_H
+
+#include "lib/accel_layout.h"
+#include "lib/intersect.h"
+#include "lib/lanes.h"
+#include "lib/scene_view.h"
+
+// Primitives a ray must not meet: the one it left, and those of the light it is traced to (inclusive range, which is
+// empty if skip_first > skip_last).
+typedef struct Skip {
+  uint self;
+  uint first, last;
+} Skip;
+
+static inline bool is_skipped(const Skip* skip, uint primitive) {
+  return primitive == skip->self || (primitive >= skip->first && primitive <= skip->last);
+}
+
+static inline bool is_closer(const Hit* candidate, const Hit* best) {
+  return candidate->t < best->t || (candidate->t == best->t && candidate->primitive < best->primitive);
+}
+
+static inline global const float* block_at(const SceneView* view, uint block) {
+  return view->accel_blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L);
+}
+
+static inline uint block_primitive(global const float* block, uint lane) {
+  return ((global const uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L + lane];
+}
+
+static inline real3 block_point(global const float* block, uint row, uint lane) {
+  return (real3)(block[row * HR_L + lane], block[(row + 1) * HR_L + lane], block[(row + 2) * HR_L + lane]);
+}
+
+// One lane by itself: spheres, and triangles on devices without explicit vectors.
+static inline bool intersect_lane(const SceneView* view, global const float* block, uint lane, const Ray* ray,
+                                  Hit* candidate) {
+  candidate->primitive = block_primitive(block, lane);
+  candidate->u = 0;
+  candidate->v = 0;
+  if (candidate->primitive == HR_NO_PRIMITIVE) return false;
+  const real3 a = block_point(block, 0, lane);
+  if (HR_HAS(SPHERES) && candidate->primitive >= view->triangle_count) {
+    return intersect_sphere(ray, a, block[3 * HR_L + lane], &candidate->t);
+  }
+  const real3 b = block_point(block, 3, lane), c = block_point(block, 6, lane);
+  if (HR_TRIANGLE_WATERTIGHT) return intersect_triangle(ray, a, b, c, &candidate->t, &candidate->u, &candidate->v);
+  return intersect_triangle_fast(ray, a, b, c, &candidate->t, &candidate->u, &candidate->v);
+}
+
+#if HR_EXPLICIT_VECTORS && HR_L > 1
+
+#define HR_FLOATL HR_PASTE(float, HR_L)
+#define HR_INTL HR_PASTE(int, HR_L)
+#define HR_AS_INTL HR_PASTE(as_int, HR_L)
+#define HR_AS_FLOATL HR_PASTE(as_float, HR_L)
+#define HR_LANES_OF_L HR_PASTE(lanes_of, HR_L)
+#define HR_ROW(r) (*(global const HR_FLOATL*)(block + (r)*HR_L))
+#define HR_FLIP(v) HR_AS_FLOATL(HR_AS_INTL(v) ^ sign)
+
+// What the lanes' hits are, before division: t = t_det / det and so on, det > 0.
+typedef struct BlockHits {
+  HR_FLOATL t_det, u_det, v_det, det;
+} BlockHits;
+
+// The triangles of a block that the ray may meet before t_far; what rounding leaves open is let through.
+static inline LaneSet block_candidates(const SceneView* view, global const float* block, const Ray* ray, real t_far,
+                                       BlockHits* hits) {
+#if HR_TRIANGLE_WATERTIGHT
+#pragma OPENCL FP_CONTRACT OFF
+  const HR_FLOATL sx = (HR_FLOATL)(-ray->sx), sy = (HR_FLOATL)(-ray->sy);
+  const HR_FLOATL az = HR_ROW(ray->kz) - ray->shear_origin.z;
+  const HR_FLOATL bz = HR_ROW(3 + ray->kz) - ray->shear_origin.z;
+  const HR_FLOATL cz = HR_ROW(6 + ray->kz) - ray->shear_origin.z;
+  const HR_FLOATL ax = fma(sx, az, HR_ROW(ray->kx) - ray->shear_origin.x);
+  const HR_FLOATL ay = fma(sy, az, HR_ROW(ray->ky) - ray->shear_origin.y);
+  const HR_FLOATL bx = fma(sx, bz, HR_ROW(3 + ray->kx) - ray->shear_origin.x);
+  const HR_FLOATL by = fma(sy, bz, HR_ROW(3 + ray->ky) - ray->shear_origin.y);
+  const HR_FLOATL cx = fma(sx, cz, HR_ROW(6 + ray->kx) - ray->shear_origin.x);
+  const HR_FLOATL cy = fma(sy, cz, HR_ROW(6 + ray->ky) - ray->shear_origin.y);
+  const HR_FLOATL wa = cx * by - cy * bx;
+  const HR_FLOATL wb = ax * cy - ay * cx;
+  const HR_FLOATL wc = bx * ay - by * ax;
+  const HR_FLOATL det = wa + wb + wc;
+  const HR_INTL sign = HR_AS_INTL(det) & (HR_INTL)(0x80000000);
+  hits->det = fabs(det);
+  hits->t_det = HR_FLIP(ray->sz * fma(wa, az, fma(wb, bz, wc * cz)));
+  hits->u_det = HR_FLIP(wb);
+  hits->v_det = HR_FLIP(wc);
+  HR_INTL met = (min(min(wa, wb), wc) >= 0.0f) | (max(max(wa, wb), wc) <= 0.0f);
+#else
+  const HR_FLOATL ox = HR_ROW(0) - ray->origin.x, oy = HR_ROW(1) - ray->origin.y, oz = HR_ROW(2) - ray->origin.z;
+  const HR_FLOATL e1x = HR_ROW(3), e1y = HR_ROW(4), e1z = HR_ROW(5);
+  const HR_FLOATL e2x = HR_ROW(6), e2y = HR_ROW(7), e2z = HR_ROW(8);
+  const HR_FLOATL nx = e2y * e1z - e2z * e1y, ny = e2z * e1x - e2x * e1z, nz = e2x * e1y - e2y * e1x;
+  const real3 d = ray->direction;
+  const HR_FLOATL rx = oy * d.z - oz * d.y, ry = oz * d.x - ox * d.z, rz = ox * d.y - oy * d.x;
+  const HR_FLOATL det = nx * d.x + ny * d.y + nz * d.z;
+  const HR_INTL sign = HR_AS_INTL(det) & (HR_INTL)(0x80000000);
+  hits->det = fabs(det);
+  hits->t_det = HR_FLIP(nx * ox + ny * oy + nz * oz);
+  hits->u_det = HR_FLIP(rx * e2x + ry * e2y + rz * e2z);
+  hits->v_det = HR_FLIP(rx * e1x + ry * e1y + rz * e1z);
+  HR_INTL met = (hits->u_det >= 0.0f) & (hits->v_det >= 0.0f) & (hits->u_det + hits->v_det <= hits->det);
+#endif
+  met &= (hits->t_det > 0.0f) & (hits->t_det <= hits->det * (t_far * HR_SLAB_PAD)) & (hits->det > 0.0f);
+  if (HR_HAS(SPHERES)) {
+    const HR_INTL primitive = *(global const HR_INTL*)(block + HR_BLOCK_PRIMITIVE_ROW * HR_L);
+    met &= primitive < (HR_INTL)((int)view->triangle_count);
+  }
+  return HR_LANES_OF_L(met);
+}
+
+// Lanes that hold spheres. HR_NO_PRIMITIVE is negative here.
+static inline LaneSet sphere_lanes(const SceneView* view, global const float* block) {
+  const HR_INTL primitive = *(global const HR_INTL*)(block + HR_BLOCK_PRIMITIVE_ROW * HR_L);
+  return HR_LANES_OF_L(primitive >= (HR_INTL)((int)view->triangle_count));
+}
+
+static inline void intersect_block_closest(const SceneView* view, global const float* block, const Ray* ray,
+                                           const Skip* skip, Hit* best) {
+  BlockHits hits;
+  LaneSet lanes = block_candidates(view, block, ray, best->t, &hits);
+  if (lanes) {
+    float t[HR_L], u[HR_L], v[HR_L];
+    const HR_FLOATL inverse_det = 1.0f / hits.det;
+    *(HR_FLOATL*)t = hits.t_det * inverse_det;
+    *(HR_FLOATL*)u = hits.u_det * inverse_det;
+    *(HR_FLOATL*)v = hits.v_det * inverse_det;
+    do {
+      const uint lane = first_lane(lanes);
+      lanes = without_first(lanes);
+      const Hit candidate = {t[lane], u[lane], v[lane], block_primitive(block, lane)};
+      const bool counts = candidate.t > ray->t_min && is_closer(&candidate, best);
+      if (counts && !is_skipped(skip, candidate.primitive)) *best = candidate;
+    } while (lanes);
+  }
+  if (HR_HAS(SPHERES)) {
+    for (LaneSet rest = sphere_lanes(view, block); rest; rest = without_first(rest)) {
+      Hit candidate;
+      if (intersect_lane(view, block, first_lane(rest), ray, &candidate) && is_closer(&candidate, best) &&
+          !is_skipped(skip, candidate.primitive)) {
+        *best = candidate;
+      }
+    }
+  }
+}
+
+static inline bool intersect_block_any(const SceneView* view, global const float* block, const Ray* ray,
+                                       const Skip* skip) {
+  BlockHits hits;
+  LaneSet lanes = block_candidates(view, block, ray, ray->t_max, &hits);
+  if (lanes) {
+    float t[HR_L];
+    *(HR_FLOATL*)t = hits.t_det * (1.0f / hits.det);
+    do {
+      const uint lane = first_lane(lanes);
+      lanes = without_first(lanes);
+      if (t[lane] > ray->t_min && t[lane] < ray->t_max && !is_skipped(skip, block_primitive(block, lane))) return true;
+    } while (lanes);
+  }
+  if (HR_HAS(SPHERES)) {
+    for (LaneSet rest = sphere_lanes(view, block); rest; rest = without_first(rest)) {
+      Hit candidate;
+      if (intersect_lane(view, block, first_lane(rest), ray, &candidate) && candidate.t < ray->t_max &&
+          !is_skipped(skip, candidate.primitive)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+#else
+
+static inline void intersect_block_closest(const SceneView* view, global const float* block, const Ray* ray,
+                                           const Skip* skip, Hit* best) {
+  for (uint lane = 0; lane < HR_L; lane++) {
+    Hit candidate;
+    if (intersect_lane(view, block, lane, ray, &candidate) && is_closer(&candidate, best) &&
+        !is_skipped(skip, candidate.primitive)) {
+      *best = candidate;
+    }
+  }
+}
+
+static inline bool intersect_block_any(const SceneView* view, global const float* block, const Ray* ray,
+                                       const Skip* skip) {
+  for (uint lane = 0; lane < HR_L; lane++) {
+    Hit candidate;
+    if (intersect_lane(view, block, lane, ray, &candidate) && candidate.t < ray->t_max &&
+        !is_skipped(skip, candidate.primitive)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+#endif
+
+#endif

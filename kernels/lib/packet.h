@@ -1,0 +1,321 @@
+// Packets: HR_PACKET_GROUPS x 16 rays from one origin (camera, point light, hemicube) go through the tree together. A
+// node's children are first tested against the interval of all directions, then each survivor against the rays
+// themselves (Wald, Boulos, Shirley 2007, "Ray Tracing Deformable Scenes Using Dynamic BVHs", with exact second test).
+#ifndef HR_LIB_PACKET_H
+#define HR_LIB_PACKET_H
+
+#include "lib/traverse.h"
+
+#if HR_EXPLICIT_VECTORS && HR_W > 1
+
+#ifndef HR_PACKET_GROUPS
+#define HR_PACKET_GROUPS 4
+#endif
+#define HR_K HR_PACKET_GROUPS
+#define HR_PACKET_RAYS (16 * HR_K)
+
+// The bounds of a whole packet are widened by 8 ulps on both sides: a reciprocal, a difference and a product of error.
+#define HR_INTERVAL_NEAR 0.999999f
+#define HR_INTERVAL_FAR 1.000001f
+// Directions nearer to zero than this count as both signs.
+#define HR_MIXED_DIRECTION 1e-12f
+
+typedef struct Packet {
+  float16 dx[HR_K], dy[HR_K], dz[HR_K];  // directions
+  float16 rx[HR_K], ry[HR_K], rz[HR_K];  // their reciprocals
+  float16 t[HR_K], u[HR_K], v[HR_K];     // closest hits so far; t starts at t_max
+  int16 primitive[HR_K];                 // or HR_NO_PRIMITIVE
+#if HR_TRIANGLE_WATERTIGHT
+  float16 sx[HR_K], sy[HR_K], sz[HR_K];  // shear along the common axis kz
+  uint kx, ky, kz;
+#endif
+  real3 origin;
+  float t_min, t_most;  // t_most: largest t of all rays
+} Packet;
+
+// The slabs of one axis for all directions in [lo, hi].
+typedef struct AxisInterval {
+  uint near_row, far_row;                      // in words
+  float near_rate, far_rate, other_near_rate;  // 1 / direction
+  bool mixed;                                  // both signs: rays may enter by either plane and need not leave
+} AxisInterval;
+
+static inline float least_of16(float16 a) {
+  const float8 b = min(a.lo, a.hi);
+  const float4 c = min(b.lo, b.hi);
+  const float2 d = min(c.lo, c.hi);
+  return min(d.x, d.y);
+}
+
+static inline float most_of16(float16 a) { return -least_of16(-a); }
+
+static inline AxisInterval make_axis_interval(float lo, float hi, uint row) {
+  AxisInterval a;
+  a.mixed = !(lo > HR_MIXED_DIRECTION) && !(hi < -HR_MIXED_DIRECTION);
+  const bool backwards = hi < -HR_MIXED_DIRECTION;
+  a.near_row = row + (backwards ? HR_W : 0);
+  a.far_row = row + (backwards ? 0 : HR_W);
+  a.near_rate = backwards ? 1 / lo : 1 / max(hi, HR_MIXED_DIRECTION);
+  a.far_rate = backwards ? 1 / hi : 1 / lo;
+  a.other_near_rate = 1 / min(lo, -HR_MIXED_DIRECTION);
+  return a;
+}
+
+// Narrows [t_in, t_out] of all children by one axis.
+static inline void narrow_interval(global const float* node, const AxisInterval* a, real origin, HR_FLOATW* t_in,
+                                   HR_FLOATW* t_out) {
+  *t_in = max(*t_in, (HR_SLAB(a->near_row) - origin) * a->near_rate);
+  if (a->mixed) {
+    *t_in = max(*t_in, (HR_SLAB(a->far_row) - origin) * a->other_near_rate);
+  } else {
+    *t_out = min(*t_out, (HR_SLAB(a->far_row) - origin) * a->far_rate);
+  }
+}
+
+// Does any ray of the packet enter child `lane` of the node?
+static inline bool any_ray_enters(const Packet* p, global const float* node, uint lane) {
+#pragma OPENCL FP_CONTRACT OFF
+  const float lo_x = node[lane] - p->origin.x, hi_x = node[HR_W + lane] - p->origin.x;
+  const float lo_y = node[2 * HR_W + lane] - p->origin.y, hi_y = node[3 * HR_W + lane] - p->origin.y;
+  const float lo_z = node[4 * HR_W + lane] - p->origin.z, hi_z = node[5 * HR_W + lane] - p->origin.z;
+  for (uint k = 0; k < HR_K; k++) {
+    const float16 x0 = lo_x * p->rx[k], x1 = hi_x * p->rx[k];
+    const float16 y0 = lo_y * p->ry[k], y1 = hi_y * p->ry[k];
+    const float16 z0 = lo_z * p->rz[k], z1 = hi_z * p->rz[k];
+    const float16 t_in = max((float16)(p->t_min), max(max(min(x0, x1), min(y0, y1)), min(z0, z1)));
+    const float16 t_out = min(p->t[k], min(min(max(x0, x1), max(y0, y1)), max(z0, z1))) * HR_SLAB_PAD;
+    if (any_lane16(t_in <= t_out)) return true;
+  }
+  return false;
+}
+
+// Takes hits of one primitive into group k; ties go to the smaller primitive.
+static inline bool take_hits(Packet* p, uint k, int16 met, float16 t, float16 u, float16 v, int primitive) {
+  const int16 closer =
+      met & (t > p->t_min) & ((t < p->t[k]) | ((t == p->t[k]) & ((int16)(primitive) < p->primitive[k])));
+  if (!any_lane16(closer)) return false;
+  p->t[k] = select(p->t[k], t, closer);
+  p->u[k] = select(p->u[k], u, closer);
+  p->v[k] = select(p->v[k], v, closer);
+  p->primitive[k] = select(p->primitive[k], (int16)(primitive), closer);
+  return true;
+}
+
+#if HR_TRIANGLE_WATERTIGHT
+
+// As block_candidates() in leaf_block.h, but one triangle against 16 rays: per ray the same edge functions, so the same
+// guarantee.
+static inline bool intersect_packet_triangle(Packet* p, global const float* block, uint lane, int primitive) {
+#pragma OPENCL FP_CONTRACT OFF
+  const real3 o = p->origin;
+  const float okx = pick(o, (int)p->kx), oky = pick(o, (int)p->ky), okz = pick(o, (int)p->kz);
+  global const float* row = block + lane;
+  const float ax0 = row[p->kx * HR_L] - okx, ay0 = row[p->ky * HR_L] - oky, az = row[p->kz * HR_L] - okz;
+  const float bx0 = row[(3 + p->kx) * HR_L] - okx, by0 = row[(3 + p->ky) * HR_L] - oky;
+  const float bz = row[(3 + p->kz) * HR_L] - okz;
+  const float cx0 = row[(6 + p->kx) * HR_L] - okx, cy0 = row[(6 + p->ky) * HR_L] - oky;
+  const float cz = row[(6 + p->kz) * HR_L] - okz;
+  bool any = false;
+  for (uint k = 0; k < HR_K; k++) {
+    const float16 sx = p->sx[k], sy = p->sy[k];
+    const float16 ax = fma(sx, (float16)(az), (float16)(ax0)), ay = fma(sy, (float16)(az), (float16)(ay0));
+    const float16 bx = fma(sx, (float16)(bz), (float16)(bx0)), by = fma(sy, (float16)(bz), (float16)(by0));
+    const float16 cx = fma(sx, (float16)(cz), (float16)(cx0)), cy = fma(sy, (float16)(cz), (float16)(cy0));
+    const float16 wa = cx * by - cy * bx;
+    const float16 wb = ax * cy - ay * cx;
+    const float16 wc = bx * ay - by * ax;
+    const int16 met = (min(min(wa, wb), wc) >= 0.0f) | (max(max(wa, wb), wc) <= 0.0f);
+    if (!any_lane16(met)) continue;
+    const float16 det = wa + wb + wc;
+    const float16 inverse_det = 1.0f / det;
+    const float16 t = p->sz[k] * fma(wa, (float16)(az), fma(wb, (float16)(bz), wc * cz)) * inverse_det;
+    any |= take_hits(p, k, met & (det != 0.0f), t, wb * inverse_det, wc * inverse_det, primitive);
+  }
+  return any;
+}
+
+static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block,
+                                          const float* least, const float* most, bool* updated) {
+  for (uint lane = 0; lane < HR_L; lane++) {
+    const uint primitive = block_primitive(block, lane);
+    if (primitive >= view->triangle_count) continue;
+    if (intersect_packet_triangle(p, block, lane, (int)primitive)) *updated = true;
+  }
+}
+
+#else
+
+static inline HR_FLOATL upper_bound(HR_FLOATL x, HR_FLOATL y, HR_FLOATL z, const float* least, const float* most) {
+  return max(x * least[0], x * most[0]) + max(y * least[1], y * most[1]) + max(z * least[2], z * most[2]);
+}
+
+// With a common origin o the volumes are dot products of a direction with three vectors a triangle (Davidovič et al.
+// 2012, "3D Rasterization: A Bridge Between Rasterization and Ray Casting"); bounds over all directions discard most
+// triangles of a block at once.
+static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block,
+                                          const float* least, const float* most, bool* updated) {
+  const HR_FLOATL ox = HR_ROW(0) - p->origin.x, oy = HR_ROW(1) - p->origin.y, oz = HR_ROW(2) - p->origin.z;
+  const HR_FLOATL e1x = HR_ROW(3), e1y = HR_ROW(4), e1z = HR_ROW(5);
+  const HR_FLOATL e2x = HR_ROW(6), e2y = HR_ROW(7), e2z = HR_ROW(8);
+  HR_FLOATL nx = e2y * e1z - e2z * e1y, ny = e2z * e1x - e2x * e1z, nz = e2x * e1y - e2y * e1x;
+  HR_FLOATL t_det = nx * ox + ny * oy + nz * oz;
+  const HR_INTL sign = HR_AS_INTL(t_det) & (HR_INTL)(0x80000000);
+  t_det = HR_FLIP(t_det);
+  nx = HR_FLIP(nx);
+  ny = HR_FLIP(ny);
+  nz = HR_FLIP(nz);
+  const HR_FLOATL ux = HR_FLIP(e2y * oz - e2z * oy), uy = HR_FLIP(e2z * ox - e2x * oz),
+                  uz = HR_FLIP(e2x * oy - e2y * ox);
+  const HR_FLOATL vx = HR_FLIP(e1y * oz - e1z * oy), vy = HR_FLIP(e1z * ox - e1x * oz),
+                  vz = HR_FLIP(e1x * oy - e1y * ox);
+  const HR_FLOATL det_bound = upper_bound(nx, ny, nz, least, most);
+  const HR_FLOATL u_bound = upper_bound(ux, uy, uz, least, most), v_bound = upper_bound(vx, vy, vz, least, most);
+  const HR_FLOATL w_bound = upper_bound(nx - ux - vx, ny - uy - vy, nz - uz - vz, least, most);
+  const HR_FLOATL slack = det_bound * -1e-5f;  // of rounding in the bounds
+  HR_INTL may = (t_det > 0.0f) & (det_bound > 0.0f) & (u_bound >= slack) & (v_bound >= slack) & (w_bound >= slack) &
+                (t_det <= det_bound * p->t_most * HR_INTERVAL_FAR);
+  if (HR_HAS(SPHERES)) {
+    may &= *(global const HR_INTL*)(block + HR_BLOCK_PRIMITIVE_ROW * HR_L) < (HR_INTL)((int)view->triangle_count);
+  }
+  LaneSet lanes = HR_LANES_OF_L(may);
+  if (!lanes) return;
+  float q[10][HR_L];
+  *(HR_FLOATL*)q[0] = nx;
+  *(HR_FLOATL*)q[1] = ny;
+  *(HR_FLOATL*)q[2] = nz;
+  *(HR_FLOATL*)q[3] = ux;
+  *(HR_FLOATL*)q[4] = uy;
+  *(HR_FLOATL*)q[5] = uz;
+  *(HR_FLOATL*)q[6] = vx;
+  *(HR_FLOATL*)q[7] = vy;
+  *(HR_FLOATL*)q[8] = vz;
+  *(HR_FLOATL*)q[9] = t_det;
+  do {
+    const uint lane = first_lane(lanes);
+    lanes = without_first(lanes);
+    const int primitive = (int)block_primitive(block, lane);
+    for (uint k = 0; k < HR_K; k++) {
+      const float16 x = p->dx[k], y = p->dy[k], z = p->dz[k];
+      const float16 det = x * q[0][lane] + y * q[1][lane] + z * q[2][lane];
+      const float16 u = x * q[3][lane] + y * q[4][lane] + z * q[5][lane];
+      const float16 v = x * q[6][lane] + y * q[7][lane] + z * q[8][lane];
+      const int16 met =
+          (u >= 0.0f) & (v >= 0.0f) & (u + v <= det) & (q[9][lane] <= det * (p->t[k] * HR_SLAB_PAD)) & (det > 0.0f);
+      if (!any_lane16(met)) continue;
+      const float16 inverse_det = 1.0f / det;
+      if (take_hits(p, k, met, q[9][lane] * inverse_det, u * inverse_det, v * inverse_det, primitive)) *updated = true;
+    }
+  } while (lanes);
+}
+
+#endif
+
+// Spheres of a block, ray by ray.
+static inline void intersect_packet_spheres(const SceneView* view, Packet* p, global const float* block,
+                                            bool* updated) {
+  for (LaneSet rest = sphere_lanes(view, block); rest; rest = without_first(rest)) {
+    const uint lane = first_lane(rest);
+    for (uint k = 0; k < HR_K; k++) {
+      float dx[16], dy[16], dz[16], t[16];
+      int met[16];
+      *(float16*)dx = p->dx[k];
+      *(float16*)dy = p->dy[k];
+      *(float16*)dz = p->dz[k];
+      for (uint i = 0; i < 16; i++) {
+        const Ray ray = make_ray(p->origin, (real3)(dx[i], dy[i], dz[i]), p->t_min, INFINITY);
+        Hit hit;
+        met[i] = intersect_lane(view, block, lane, &ray, &hit) ? -1 : 0;
+        t[i] = hit.t;
+      }
+      if (take_hits(p, k, *(const int16*)met, *(const float16*)t, (float16)(0.0f), (float16)(0.0f),
+                    (int)block_primitive(block, lane))) {
+        *updated = true;
+      }
+    }
+  }
+}
+
+// Planes, all rays at once.
+static inline void intersect_packet_planes(const SceneView* view, Packet* p) {
+  for (uint i = 0; i < view->plane_count; i++) {
+    const Plane plane = view->planes[i];
+    const real3 n = (real3)(plane.normal.x, plane.normal.y, plane.normal.z);
+    const float height = dot3((real3)(plane.point.x, plane.point.y, plane.point.z) - p->origin, n);
+    const int primitive = (int)(view->triangle_count + view->sphere_count + i);
+    for (uint k = 0; k < HR_K; k++) {
+      const float16 cosine = p->dx[k] * n.x + p->dy[k] * n.y + p->dz[k] * n.z;
+      take_hits(p, k, cosine != 0.0f, height / cosine, (float16)(0.0f), (float16)(0.0f), primitive);
+    }
+  }
+}
+
+static inline float most_t(const Packet* p) {
+  float16 t = p->t[0];
+  for (uint k = 1; k < HR_K; k++) t = max(t, p->t[k]);
+  return most_of16(t);
+}
+
+// With `any`, a ray that has hit something is finished: its t drops below all others.
+static inline void finish_hit_rays(Packet* p) {
+  for (uint k = 0; k < HR_K; k++) p->t[k] = select(p->t[k], (float16)(-1.0f), p->primitive[k] != -1);
+}
+
+// Traces the packet; hits are in t, u, v, primitive afterwards (only primitive with `any`).
+static inline void traverse_packet(const SceneView* view, Packet* p, const float* least, const float* most, bool any) {
+  AxisInterval axes[3];
+  for (uint i = 0; i < 3; i++) axes[i] = make_axis_interval(least[i], most[i], 2 * i * HR_W);
+  if (HR_HAS(PLANES)) {
+    intersect_packet_planes(view, p);
+    if (any) finish_hit_rays(p);
+  }
+  p->t_most = most_t(p);
+  StackEntry stack[HR_TRAVERSAL_STACK];
+  uint size = 0;
+  int at = 0;
+  for (;;) {
+    if (at >= 0) {
+      global const float* node = node_at(view, at);
+      HR_FLOATW t_in = (HR_FLOATW)(p->t_min), t_out = (HR_FLOATW)(p->t_most);
+      narrow_interval(node, &axes[0], p->origin.x, &t_in, &t_out);
+      narrow_interval(node, &axes[1], p->origin.y, &t_in, &t_out);
+      narrow_interval(node, &axes[2], p->origin.z, &t_in, &t_out);
+      LaneSet entered = 0;
+      for (LaneSet rest = HR_LANES_OF_W(t_in * HR_INTERVAL_NEAR <= t_out * HR_INTERVAL_FAR); rest;
+           rest = without_first(rest)) {
+        const uint lane = first_lane(rest);
+        if (any_ray_enters(p, node, lane)) entered |= lane_bit(lane);
+      }
+      if (entered) {
+        float t_near[HR_W];
+        *(HR_FLOATW*)t_near = t_in;
+        at = nearest_child(view, node, entered, t_near, stack, &size);
+        continue;
+      }
+    } else {
+      const uint leaf = (uint)~at;
+      global const float* block = block_at(view, leaf >> 4);
+      bool updated = false;
+      for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
+        if (HR_HAS(TRIANGLES)) intersect_packet_block(view, p, block, least, most, &updated);
+        if (HR_HAS(SPHERES)) intersect_packet_spheres(view, p, block, &updated);
+      }
+      if (updated) {
+        if (any) finish_hit_rays(p);
+        p->t_most = most_t(p);
+        if (p->t_most < 0) return;
+      }
+    }
+    StackEntry entry = 0;
+    bool found = false;
+    while (size > 0 && !found) {
+      entry = stack[--size];
+      found = as_float((uint)(entry >> 32)) * HR_INTERVAL_NEAR <= p->t_most * HR_INTERVAL_FAR;
+    }
+    if (!found) return;
+    at = (int)(uint)entry;
+  }
+}
+
+#endif
+
+#endif

@@ -1,0 +1,199 @@
+// `hemiray bench` as a user runs it, on small scenes and few rays.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/small_scenes.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temp_folder.hpp"
+
+using hemiray::test::listing;
+using hemiray::test::ProgramResult;
+using hemiray::test::run_program;
+using hemiray::test::TempFolder;
+using nlohmann::json;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+Words small(Words more) {
+  Words words{"bench", "--triangles", "10k", "--rounds", "2", "--resolution", "64"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+json read_json(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return json::parse(stream);
+}
+
+bool has_peers() {
+  return run_program(small({"interior", "--peers", "--device", "nonesuch"})).err.find("libembree") == std::string::npos;
+}
+
+void check_refused(const Words& arguments, const Words& parts) {
+  const TempFolder folder;
+  Words words = arguments;
+  words.insert(words.end(), {"--json", (folder / "a.json").string(), "--csv", (folder / "a.csv").string()});
+  const ProgramResult result = run_program(words);
+  INFO("stdout: " << result.out << "\nstderr: " << result.err);
+  CHECK(result.exit_code == 2);
+  CHECK(result.out.empty());
+  CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
+  for (const std::string& part : parts) CHECK_THAT(result.err, Catch::Contains(part));
+  CHECK(listing(folder.path()).empty());
+}
+
+}  // namespace
+
+TEST_CASE("bench measures a scene, verifies it, and writes JSON and CSV") {
+  const TempFolder folder;
+  const auto json_file = folder / "a.json", csv_file = folder / "a.csv";
+  const ProgramResult result =
+      run_program(small({"terrain", "--json", json_file.string(), "--csv", csv_file.string()}));
+  INFO(result.out << result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(result.err.empty());
+  CHECK_THAT(result.out, Catch::Contains("terrain") && Catch::Contains("hemicube") && !Catch::Contains("INVALID"));
+  const json report = read_json(json_file);
+  CHECK(report["machine"]["rounds"] == 2);
+  CHECK_FALSE(report["machine"]["device"].get<std::string>().empty());
+  CHECK_FALSE(report["machine"]["commit"].get<std::string>().empty());
+  REQUIRE(report["scenes"].size() == 1);
+  const json& scene = report["scenes"][0];
+  CHECK(scene["triangles"].get<double>() == Approx(10'000).epsilon(0.01));
+  CHECK(scene["builds"].size() == 2);
+  std::set<std::string> sets;
+  for (const json& trace : scene["traces"]) {
+    INFO(trace.dump());
+    sets.insert(trace["rays"]);
+    CHECK(trace["valid"] == true);
+    CHECK(trace["mrays_per_s"].get<double>() > 0);
+    CHECK(trace["ms"]["least"].get<double>() <= trace["ms"]["median"].get<double>());
+    CHECK(trace["ms"]["runs"] == 2);
+  }
+  CHECK(sets == std::set<std::string>{"primary", "shadow", "shadow_from_light", "diffuse", "hemicube"});
+  std::ifstream csv(csv_file);
+  const auto lines = std::count(std::istreambuf_iterator<char>(csv), {}, '\n');
+  CHECK(static_cast<std::size_t>(lines) == 1 + scene["builds"].size() + scene["traces"].size());
+}
+
+TEST_CASE("bench measures a file's triangles from its camera") {
+  const TempFolder folder;
+  const std::string scene = folder.write("scene.json", hemiray::test::kGlassScene).string();
+  const ProgramResult result = run_program(small({scene, "--json", (folder / "a.json").string()}));
+  INFO(result.out << result.err);
+  REQUIRE(result.exit_code == 0);
+  const json report = read_json(folder / "a.json");
+  CHECK(report["scenes"][0]["wanted_triangles"].is_null());
+  CHECK(report["scenes"][0]["triangles"].get<int>() >= 4);
+  CHECK_THAT(result.out, Catch::Contains("without its 1 spheres"));
+}
+
+TEST_CASE("bench counts leaks, and the watertight test has none") {
+  const TempFolder folder;
+  const ProgramResult result =
+      run_program(small({"hair", "--leaks", "--leak-rays", "4096", "--json", (folder / "a.json").string()}));
+  INFO(result.out << result.err);
+  REQUIRE(result.exit_code == 0);
+  int watertight = 0;
+  const json report = read_json(folder / "a.json");
+  for (const json& leak : report["leaks"]) {
+    CHECK(leak["rays"] == 4096);
+    if (leak["tracer"].get<std::string>().find("device/quality/watertight") == std::string::npos) continue;
+    watertight++;
+    CHECK(leak["closest_hit_leaks"] == 0);
+    CHECK(leak["any_hit_leaks"] == 0);
+  }
+  CHECK(watertight >= 4 * 2);  // meshes, targets; packets, too, where there are any
+  CHECK(watertight % 8 == 0);
+}
+
+TEST_CASE("bench beside Embree gives a verdict a bar, and exit code 3 where one is not reached") {
+  if (!has_peers()) {
+    WARN("this build has no Embree");
+    return;
+  }
+  const TempFolder folder;
+  const auto bars = [](const std::string& bar) {
+    const std::string row = R"("ours": "device/quality/watertight/single", "against": ["embree/medium/single"],)"
+                            R"("kind": "trace", "better": "higher", "rays": "diffuse",)";
+    return R"({"hemiray_bars": 1, "rows": [{"label": "a bar", )" + row + R"("bars": {"avx512": {"10000": )" + bar +
+           R"(}, "avx2": {"10000": )" + bar + "}}}]}";
+  };
+  const std::string low = folder.write("low.json", bars("0.0001")).string();
+  const std::string high = folder.write("high.json", bars("10000")).string();
+  const ProgramResult reached = run_program(small({"interior", "--quick", "--peers", "--bars=" + low}));
+  INFO(reached.out << reached.err);
+  if (reached.exit_code == 2 && reached.err.find("no AVX2") != std::string::npos) return;
+  CHECK(reached.exit_code == 0);
+  CHECK_THAT(reached.out, Catch::Contains("\nPASS ") && Catch::Contains("a bar, 10.0 k triangles") &&
+                              Catch::Contains("bars for ") && Catch::Contains("Embree 3"));
+  const ProgramResult missed =
+      run_program(small({"interior", "--quick", "--peers", "--bars", high, "--json", (folder / "a.json").string()}));
+  CHECK(missed.exit_code == 3);
+  CHECK_THAT(missed.out, Catch::Contains("\nFALL SHORT "));
+  CHECK(read_json(folder / "a.json")["bars"][0]["verdict"] == "FALL SHORT");
+}
+
+TEST_CASE("bench refuses what it cannot measure before it measures, and writes nothing") {
+  check_refused(small({"interiour"}), {"SCENE", "did you mean \"interior\""});
+  check_refused(small({"nonesuch.glb"}), {"nonesuch.glb"});
+  check_refused({"bench", "--triangles", "many"}, {"--triangles", "'many'"});
+  check_refused({"bench", "--triangles", "9k"}, {"--triangles", "9k"});
+  check_refused({"bench", "--triangles", "10k,30M"}, {"--triangles", "30M"});
+  check_refused({"bench", "--resolution", "100"}, {"--resolution", "32"});
+  check_refused({"bench", "--leak-rays", "100"}, {"--leak-rays", "64"});
+  check_refused({"bench", "--rounds", "0"}, {"--rounds"});
+  check_refused(small({"interior", "--bars"}), {"--bars", "--peers"});
+  check_refused(small({"interior", "--plot", "/dev/null/x"}), {"--plot"});
+  check_refused(small({"interior", "--device", "nonesuch"}), {"--device", "nonesuch"});
+}
+
+TEST_CASE("bench --peers in a build without Embree names the package") {
+  if (has_peers()) return;
+  check_refused(small({"interior", "--peers"}), {"--peers", "libembree-dev"});
+}
+
+TEST_CASE("bench --bars refuses a bad file, and scenes that no bar holds") {
+  if (!has_peers()) return;
+  const TempFolder folder;
+  const std::string bad = folder.write("bad.json", R"({"hemiray_bars": 1, "rows": [{"label": 3}]})").string();
+  const std::string other =
+      folder
+          .write("other.json", R"({"hemiray_bars": 1, "rows": [{"label": "x", "kind": "build", "better": "lower",)"
+                               R"("ours": "a", "against": ["b"], "bars": {"z80": {"10000": 1}}}]})")
+          .string();
+  check_refused(small({"interior", "--peers", "--bars", bad}), {"bad.json: /rows/0/label"});
+  check_refused(small({"interior", "--peers", "--bars", (folder / "none.json").string()}), {"none.json"});
+  check_refused(small({"interior", "--peers", "--bars", other}), {"--bars", "no bars for this processor"});
+  check_refused(small({"terrain", "--peers", "--bars"}), {"--bars", "interior"});
+}
+
+TEST_CASE("bench --plot draws PNG and SVG") {
+  const TempFolder folder;
+  const std::string plots = (folder / "plots").string();
+  const ProgramResult result = run_program(small({"terrain", "--plot", plots}));
+  INFO(result.out << result.err);
+  if (result.exit_code == 2 && result.err.find("python3-matplotlib") != std::string::npos) {
+    WARN("python3-matplotlib is not installed");
+    return;
+  }
+  REQUIRE(result.exit_code == 0);
+  for (const char* file : {"bench.json", "rates.png", "rates.svg", "builds.png", "builds.svg"}) {
+    INFO(file);
+    CHECK(std::filesystem::exists(std::filesystem::path(plots) / file));
+  }
+}
+
+TEST_CASE("bench --plot without matplotlib names the package, before anything is measured") {
+  const TempFolder folder;
+  const ProgramResult result =
+      run_program(small({"terrain", "--plot", (folder / "plots").string()}), {{"HEMIRAY_PYTHON", "/dev/null"}});
+  CHECK(result.exit_code == 2);
+  CHECK(result.out.empty());
+  CHECK_THAT(result.err, Catch::Contains("--plot") && Catch::Contains("python3-matplotlib"));
+  CHECK(listing(folder.path()).empty());
+}

@@ -1,0 +1,52 @@
+// Our own tracer behind the benchmark's interface, against brute force.
+#include "host/bench/device_tracer.hpp"
+#include "tests/bench/check_tracer.hpp"
+
+namespace hemiray {
+
+using namespace bench;
+
+TEST_CASE("device tracers answer as brute force does, with every tree, triangle test and way of asking") {
+  Context context(choose_device(""));
+  const auto workshop = std::make_shared<DeviceWorkshop>(context);
+  for (const TreeBuilder tree : {TreeBuilder::fast, TreeBuilder::quality}) {
+    for (const TriangleTest triangles : {TriangleTest::watertight, TriangleTest::fast}) {
+      for (const TraceMode mode : {TraceMode::single, TraceMode::packet}) {
+        const auto tracer = make_device_tracer(workshop, {tree, triangles, mode});
+        const auto sharer = make_device_tracer(workshop, {tree, triangles, TraceMode::single});
+        test::check_tracer(*tracer, *sharer);
+      }
+    }
+  }
+}
+
+TEST_CASE("device tracers are named by tree, triangle test and way of asking, only the same trees are shared") {
+  Context context(choose_device(""));
+  const auto workshop = std::make_shared<DeviceWorkshop>(context);
+  const auto make = [&](TreeBuilder tree, TriangleTest triangles) {
+    return make_device_tracer(workshop, {tree, triangles, TraceMode::single});
+  };
+  const auto quality = make(TreeBuilder::quality, TriangleTest::watertight);
+  const auto fast = make(TreeBuilder::fast, TriangleTest::fast);
+  CHECK(quality->name() == "device/quality/watertight/single");
+  CHECK(quality->build_name() == "device/quality");
+  CHECK_FALSE(quality->in_packets());
+  CHECK(fast->name() == "device/fast/fast/single");
+  CHECK_FALSE(quality->facts());
+  quality->build(test::triangle_soup(200, 1));
+  CHECK_FALSE(fast->share_build(*quality));
+  CHECK_FALSE(make(TreeBuilder::quality, TriangleTest::fast)->share_build(*quality));
+  CHECK(make(TreeBuilder::quality, TriangleTest::watertight)->share_build(*quality));
+  CHECK_THROWS_AS(fast->intersect(), std::logic_error);
+  CHECK_THROWS_AS(fast->load_rays({}), std::logic_error);
+  CHECK_FALSE(quality->build_stages().empty());
+  const std::optional<TreeFacts> facts = quality->facts();
+  REQUIRE(facts);
+  CHECK(facts->nodes > 0);
+  CHECK(facts->sah_cost > 1.0);
+  CHECK(facts->depth >= 2);
+  CHECK(facts->block_fill > 0.2);
+  CHECK(facts->block_fill <= 1.0);
+}
+
+}  // namespace hemiray

@@ -1,0 +1,162 @@
+// Every kernel at least once on inputs of a few items: what tools/run_oclgrind.sh runs on a simulator that watches each
+// memory access, and is about a thousand times slower than a device.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/bvh/ray_queries.hpp"
+#include "tests/bvh/double_oracle.hpp"
+#include "tests/path/render_on_device.hpp"
+#include "tests/reference/scene_builder.hpp"
+
+namespace hemiray {
+namespace {
+
+using Rays = std::vector<shared::QueryRay>;
+
+constexpr std::uint32_t kRays = 12;
+
+Rays rays_through(std::uint32_t seed) {
+  test::Places places(seed);
+  Rays rays;
+  for (std::uint32_t i = 0; i < kRays; i++) {
+    const Vec3 from = 3.0F * places.direction(), to = places.in_cube(0.8F) - from;
+    rays.push_back({{from.x, from.y, from.z, 0.0F}, {to.x, to.y, to.z, std::numeric_limits<float>::infinity()}});
+  }
+  return rays;
+}
+
+void check_rays(const FlatScene& flat, RayQueries& queries, const Rays& rays) {
+  const std::vector<shared::QueryHit> hits = queries.intersect(rays);
+  const std::vector<std::uint32_t> occluded = queries.occluded(rays);
+  std::size_t sure = 0, found = 0;
+  for (std::size_t i = 0; i < rays.size(); i++) {
+    const test::OracleVerdict verdict = test::judge_hit(flat, rays[i], hits[i], occluded[i] != 0);
+    INFO("ray " << i);
+    CHECK(verdict.objection == std::string());
+    sure += verdict.sure ? 1 : 0;
+    found += hits[i].primitive != HR_NO_PRIMITIVE ? 1 : 0;
+  }
+  CHECK(sure >= rays.size() * 3 / 4);
+  CHECK(found >= rays.size() / 4);
+}
+
+void check_tree(const FlatScene& flat, const AccelOptions& options) {
+  INFO("width " << options.width << ", lanes " << options.leaf_lanes << ", vectors " << options.explicit_vectors);
+  Context context(choose_device(""));
+  Parallel parallel(context);
+  AccelBuilder builder(context, parallel, true);  // Oclgrind mistakes memory taken again after a release
+  const DeviceScene scene(context, flat, test::kAllPrimitives);
+  Accel accel(builder, scene, options);
+  RayQueries queries(context, scene, accel);
+  check_rays(flat, queries, rays_through(1));
+  // A refit to the very places must change no answer.
+  accel.refit(scene);
+  check_rays(flat, queries, rays_through(2));
+}
+
+FlatScene small_soup() {
+  FlatScene flat = test::soup(14, 3, 0.8F, 3);
+  test::add_plane(flat, {0, -1.5F, 0}, {0, 1, 0});
+  return flat;
+}
+
+// Mirror, glass, texture, ambient light, a point light and a lamp: nearly all that a path can meet.
+Scene small_room() {
+  Scene scene = reference::empty_scene({0, 1, 3}, {0, 0.4, 0}, 50.0);
+  scene.ambient = Vec3(0.1F);
+  const auto checker = [](int x, int y) { return glm::u8vec3((x + y) % 2 == 0 ? 200 : 60); };
+  Material floor = reference::diffuse(Vec3(0.7F));
+  floor.kd_texture = reference::add_texture(scene, 4, ColorSpace::srgb, checker);
+  floor.kr = Vec3(0.3F);
+  reference::add_rectangle(scene, {-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, reference::add_material(scene, floor));
+  reference::add_sphere(scene, {-0.5, 0.5, 0}, 0.5, reference::add_material(scene, reference::glass(1.5F)));
+  reference::add_sphere(scene, {0.6, 0.4, -0.3}, 0.4, reference::add_material(scene, reference::mirror(0.8F)));
+  reference::add_point_light(scene, {1, 3, 1}, Vec3(5.0F));
+  reference::add_area_light(scene, {-0.5, 2.5, -0.5}, {1, 0, 0}, {0, 0, 1}, Vec3(4.0F));
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("tiny: keys are scanned and sorted") {
+  Context context(choose_device(""));
+  Parallel parallel(context);
+  std::mt19937 random(1);
+  std::vector<std::uint64_t> keys(37);
+  for (std::size_t i = 0; i < keys.size(); i++) keys[i] = std::uint64_t{random() % 4096U} << 8U | i;
+  Buffer<std::uint64_t> sorted(context, "keys", std::span<const std::uint64_t>(keys));
+  Buffer<std::uint64_t> scratch(context, "scratch", keys.size());
+  parallel.sort(sorted, scratch, static_cast<std::uint32_t>(keys.size()), 8, 12);
+  std::vector<std::uint64_t> expected = keys;
+  std::sort(expected.begin(), expected.end());
+  CHECK(sorted.read(0, keys.size()) == expected);
+
+  const std::vector<std::uint32_t> counts = {3, 0, 7, 1, 0};
+  Buffer<std::uint32_t> sums(context, "sums", std::span<const std::uint32_t>(counts));
+  parallel.exclusive_scan(sums, 4);
+  CHECK(sums.read() == std::vector<std::uint32_t>{0, 3, 3, 10, 11});
+}
+
+TEST_CASE("tiny: trees of one, two and a few primitives answer rays") {
+  for (const std::uint32_t triangles : {1U, 2U, 5U}) {
+    FlatScene flat = test::empty_flat_scene();
+    for (std::uint32_t i = 0; i < triangles; i++) {
+      const float z = static_cast<float>(i) * 0.1F;
+      test::add_triangle(flat, {-2, -2, z}, {2, -2, z}, {0, 3, z});
+    }
+    check_tree(flat, {});
+  }
+}
+
+TEST_CASE("tiny: the quality tree with vectors, eight wide") {
+  AccelOptions options;
+  options.width = options.leaf_lanes = options.max_leaf = 8;
+  options.explicit_vectors = 1;
+  check_tree(small_soup(), options);
+}
+
+TEST_CASE("tiny: the fast tree without vectors, four wide, one primitive a leaf") {
+  AccelOptions options;
+  options.builder = TreeBuilder::fast;
+  options.width = 4;
+  options.leaf_lanes = options.max_leaf = 1;
+  options.explicit_vectors = 0;
+  check_tree(small_soup(), options);
+}
+
+TEST_CASE("tiny: the fast triangle test, two wide") {
+  AccelOptions options;
+  options.triangle_test = TriangleTest::fast;
+  options.width = options.leaf_lanes = options.max_leaf = 2;
+  check_tree(small_soup(), options);
+}
+
+TEST_CASE("tiny: both engines render a room") {
+  ReferenceOptions options;
+  options.width = options.height = 5;
+  options.depth = 3;
+  const Scene scene = small_room();
+  const Image wavefront = render_on_device(scene, options, EngineKind::wavefront, true);
+  const Image megakernel = render_on_device(scene, options, EngineKind::megakernel, true);
+  for (const std::string layer : {"direct", "reflection", "refraction"}) {
+    INFO(layer);
+    double sum = 0.0;
+    for (int y = 0; y < options.height; y++) {
+      for (int x = 0; x < options.width; x++) {
+        const double value = reference::value_at(wavefront, layer, x, y);
+        CHECK(value == reference::value_at(megakernel, layer, x, y));
+        sum += value;
+      }
+    }
+    CHECK(sum > 0.0);
+  }
+}
+
+}  // namespace hemiray
