@@ -88,8 +88,8 @@ class Accel {
   Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions& options = {});
 
   /// New boxes and leaf geometry after the scene's vertices moved; the tree's shape stays, so a query answers as after
-  /// a rebuild, only slower; a tree of cells is rebuilt. A primitive that was dropped stays out; one that becomes NaN
-  /// is met by no ray.
+  /// a rebuild, only slower, and statistics() keeps the old bounds; a tree of cells is rebuilt. A primitive that was
+  /// dropped stays out; one that becomes NaN is met by no ray.
   void refit(const DeviceScene& scene);
 
   [[nodiscard]] const AccelStatistics& statistics() const { return statistics_; }
