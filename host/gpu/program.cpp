@@ -16,10 +16,8 @@ namespace hemiray {
 namespace {
 
 std::string compile_options(const DeviceInfo& device, const DeviceProfile& profile, const ProgramOptions& options) {
-  // OpenCL 3 on GPUs for its acquire-release atomics (bvh/refit.cl); 1.2 is enough for everything else.
-  const bool opencl3 = device.kind == DeviceKind::gpu && device.version.rfind("OpenCL 3", 0) == 0;
-  std::string text = fmt::format("-cl-std={} -cl-kernel-arg-info -DHR_FEATURES={:#x}u -DHR_LOCAL_SIZE={}",
-                                 opencl3 ? "CL3.0" : "CL1.2", options.features, profile.local_size);
+  std::string text = fmt::format("-cl-std=CL1.2 -cl-kernel-arg-info -DHR_FEATURES={:#x}u -DHR_LOCAL_SIZE={}",
+                                 options.features, profile.local_size);
   if (!options.defines.empty()) text += " " + options.defines;
   if (options.strict) {
     text += " -DHR_STRICT=1";

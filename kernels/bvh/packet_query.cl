@@ -1,6 +1,7 @@
 // Queries for arrays of rays in which neighbours start from one point: packets (lib/packet.h). A packet whose rays do
 // not is traced ray by ray, so the answer is right whatever is asked.
 #include "lib/packet.h"
+#include "lib/query_ray.h"
 
 #if HR_EXPLICIT_VECTORS
 
@@ -70,11 +71,6 @@ static inline bool load_packet(global const QueryRay* rays, uint first, uint cou
   return together;
 }
 
-static inline Ray single_ray(QueryRay q) {
-  return make_ray((real3)(q.origin.x, q.origin.y, q.origin.z), (real3)(q.direction.x, q.direction.y, q.direction.z),
-                  q.origin.w, q.direction.w);
-}
-
 // hits[i] = closest hit of rays[i]. Launch: one item a packet.
 kernel void query_packets_intersect(HR_SCENE_PARAMETERS global const QueryRay* restrict rays,
                                     global QueryHit* restrict hits, const uint count, const RenderParams params) {
@@ -84,13 +80,7 @@ kernel void query_packets_intersect(HR_SCENE_PARAMETERS global const QueryRay* r
   Packet packet;
   float least[3], most[3];
   if (!load_packet(rays, first, count, &packet, least, most)) {
-    const Skip skip = {HR_NO_PRIMITIVE, 1, 0};
-    for (uint i = first; i < min(count, first + HR_PACKET_RAYS); i++) {
-      const Ray ray = single_ray(rays[i]);
-      const Hit hit = traverse_closest(&view, &ray, &skip);
-      const QueryHit result = {(float)hit.t, (float)hit.u, (float)hit.v, hit.primitive};
-      hits[i] = result;
-    }
+    for (uint i = first; i < min(count, first + HR_PACKET_RAYS); i++) hits[i] = query_closest(&view, rays[i]);
     return;
   }
   traverse_packet(&view, &packet, least, most, false);
@@ -117,11 +107,7 @@ kernel void query_packets_occluded(HR_SCENE_PARAMETERS global const QueryRay* re
   Packet packet;
   float least[3], most[3];
   if (!load_packet(rays, first, count, &packet, least, most)) {
-    const Skip skip = {HR_NO_PRIMITIVE, 1, 0};
-    for (uint i = first; i < min(count, first + HR_PACKET_RAYS); i++) {
-      const Ray ray = single_ray(rays[i]);
-      occluded[i] = traverse_any(&view, &ray, &skip) ? 1u : 0u;
-    }
+    for (uint i = first; i < min(count, first + HR_PACKET_RAYS); i++) occluded[i] = query_any(&view, rays[i]);
     return;
   }
   traverse_packet(&view, &packet, least, most, true);

@@ -1,7 +1,7 @@
 // Ray queries against a built tree, for arrays of rays, one ray at a time: in the order given, or sorted, so that rays
 // which start close together and go the same way follow each other and find the tree in the cache.
 #include "lib/chunk.h"
-#include "lib/traverse.h"
+#include "lib/query_ray.h"
 
 #ifndef HR_LOCAL_SIZE
 #define HR_LOCAL_SIZE 64
@@ -9,25 +9,6 @@
 #ifndef HR_RAYS_PER_ITEM
 #define HR_RAYS_PER_ITEM 1
 #endif
-
-static inline Ray query_ray(QueryRay q) {
-  return make_ray((real3)(q.origin.x, q.origin.y, q.origin.z), (real3)(q.direction.x, q.direction.y, q.direction.z),
-                  q.origin.w, q.direction.w);
-}
-
-static inline QueryHit query_closest(const SceneView* view, QueryRay q) {
-  const Ray ray = query_ray(q);
-  const Skip skip = {HR_NO_PRIMITIVE, 1, 0};
-  const Hit hit = traverse_closest(view, &ray, &skip);
-  const QueryHit result = {(float)hit.t, (float)hit.u, (float)hit.v, hit.primitive};
-  return result;
-}
-
-static inline uint query_any(const SceneView* view, QueryRay q) {
-  const Ray ray = query_ray(q);
-  const Skip skip = {HR_NO_PRIMITIVE, 1, 0};
-  return traverse_any(view, &ray, &skip) ? 1u : 0u;
-}
 
 // hits[i] = closest hit of rays[i]. Launch: count / HR_RAYS_PER_ITEM items, rounded up to the local size.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void query_intersect(
