@@ -44,7 +44,7 @@ Interrupt (Ctrl-C) finishes the pass, writes what is there and exits with 130.)"
 
 struct RenderArguments {
   std::string scene, output, device, engine = "wavefront", accel = "bvh", tree = "quality", triangle = "watertight",
-                                     size, png, trace, dump_kernels;
+                                     rays = "auto", size, png, trace, dump_kernels;
   int spp = 4, depth = -1;
   std::uint32_t seed = 0;
   double exposure = 0.0;
@@ -78,6 +78,9 @@ RenderOptions to_options(const RenderArguments& given) {
   options.accel = parse_accel(given.accel);
   options.accel.builder = given.tree == "fast" ? TreeBuilder::fast : TreeBuilder::quality;
   options.accel.triangle_test = given.triangle == "fast" ? TriangleTest::fast : TriangleTest::watertight;
+  if (given.rays == "single") options.rays = RayGrouping::single;
+  if (given.rays == "packets") options.rays = RayGrouping::packets;
+  if (given.rays == "sorted") options.rays = RayGrouping::sorted;
   if (!given.size.empty()) std::tie(options.width, options.height) = parse_size(given.size);
   options.spp = given.spp;
   options.depth = given.depth;
@@ -116,10 +119,10 @@ RenderFacts gather_facts(const RenderArguments& given, const Scene& scene, const
   facts.strict = given.strict;
   facts.spp = given.spp;
   facts.depth = given.depth >= 0 ? given.depth : scene.depth;
-  facts.options =
-      fmt::format("--engine {} --accel {} --tree {} --triangle {} --size {}x{} --spp {} --depth {} --seed {}{}",
-                  facts.engine, given.accel, given.tree, given.triangle, facts.width, facts.height, facts.spp,
-                  facts.depth, facts.seed, facts.strict ? " --strict" : "");
+  facts.options = fmt::format(
+      "--engine {} --accel {} --tree {} --triangle {} --rays {} --size {}x{} --spp {} --depth {} --seed {}{}",
+      facts.engine, given.accel, given.tree, given.triangle, given.rays, facts.width, facts.height, facts.spp,
+      facts.depth, facts.seed, facts.strict ? " --strict" : "");
   facts.notes = scene.notes;
   return facts;
 }
@@ -225,6 +228,12 @@ void add_render_command(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--triangle", given->triangle, "Triangle test; watertight lets no ray slip between neighbours")
       ->check(CLI::IsMember({"watertight", "fast"}))
+      ->capture_default_str();
+  command
+      ->add_option("--rays", given->rays,
+                   "How the wavefront traces: single rays, packets of those with one origin, reflected and refracted "
+                   "ones sorted; auto takes what pays")
+      ->check(CLI::IsMember({"auto", "single", "packets", "sorted"}))
       ->capture_default_str();
   command->add_flag("--strict", given->strict, "Both engines give the same bits; some speed is lost");
   command->add_flag("--quiet", given->quiet, "Print nothing but errors");

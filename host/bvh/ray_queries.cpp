@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "host/bvh/ray_codes.hpp"
 #include "shared/params.h"
 
 namespace hemiray {
@@ -12,8 +13,6 @@ namespace hemiray {
 namespace {
 
 constexpr std::uint32_t kGroupRays = 16;  // of a packet, kernels/lib/packet.h
-constexpr unsigned kRayCodeBits = 21;     // query_code_rays
-constexpr float kLargest = 1e37F;  // cells per metre of a flat scene: times a float's least distance still finite
 
 ProgramOptions query_options(const Context& context, const DeviceScene& scene, const Accel& accel, bool strict) {
   ProgramOptions options = accel.program_options(scene.features(), strict);
@@ -46,12 +45,10 @@ void RayQueries::sort_rays(const Buffer<shared::QueryRay>& rays, std::uint32_t c
     keys_other_ = Buffer<std::uint64_t>(*context_, "ray keys", count);
   }
   const AccelStatistics& bounds = accel_->statistics();
-  const auto cells = [](float lo, float hi) { return hi > lo ? std::min(16.0F / (hi - lo), kLargest) : 0.0F; };
-  const shared::float4 scale = {cells(bounds.lo.x, bounds.hi.x), cells(bounds.lo.y, bounds.hi.y),
-                                cells(bounds.lo.z, bounds.hi.z), 0.0F};
-  launch(*context_, program_.kernel("query_code_rays"), context_->profile().chunks,
-         arguments(arg("rays", rays), arg("count", count), arg("lo", bounds.lo), arg("scale", scale),
-                   arg("index_bits", index_bits), arg("keys", keys_)));
+  launch(
+      *context_, program_.kernel("query_code_rays"), context_->profile().chunks,
+      arguments(arg("rays", rays), arg("count", count), arg("lo", bounds.lo),
+                arg("scale", ray_code_scale(bounds.lo, bounds.hi)), arg("index_bits", index_bits), arg("keys", keys_)));
   parallel_->sort(keys_, keys_other_, count, index_bits, kRayCodeBits);
 }
 

@@ -22,7 +22,8 @@ DeviceRender::DeviceRender(Context& context, const RenderSetup& setup)
       builder_(context, parallel_),
       accel_(builder_, scene_, setup.options.accel),
       engine_(make_engine(setup.options.engine, context, parallel_,
-                          accel_.program_options(setup.features, setup.options.strict), slots_, setup.depth)),
+                          accel_.program_options(setup.features, setup.options.strict), slots_, setup.depth,
+                          choose_tracing(setup.options.rays, setup.wave_facts(), accel_, context.profile()))),
       scene_arguments_(arguments(scene_.shading_arguments(), accel_.tree_arguments())),
       params_(setup.params(scene_)) {}
 

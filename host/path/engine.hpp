@@ -8,6 +8,7 @@
 #include "host/gpu/parallel.hpp"
 #include "host/path/film.hpp"
 #include "host/path/path_sums.hpp"
+#include "host/path/wave_tracing.hpp"
 #include "host/scene/device_scene.hpp"
 #include "shared/params.h"
 
@@ -40,8 +41,9 @@ class PathEngine {
 };
 
 /// `slots` paths in flight, each with at most `depth` pending branches; `options` are the tree's
-/// (Accel::program_options).
+/// (Accel::program_options). The megakernel traces single rays whatever `tracing` says.
 std::unique_ptr<PathEngine> make_engine(EngineKind kind, Context& context, Parallel& parallel,
-                                        const ProgramOptions& options, std::uint32_t slots, int depth);
+                                        const ProgramOptions& options, std::uint32_t slots, int depth,
+                                        const WaveTracing& tracing = {});
 
 }  // namespace hemiray

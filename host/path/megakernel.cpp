@@ -26,11 +26,12 @@ RayCounts MegakernelEngine::trace(shared::RenderParams params, std::uint32_t cou
 }
 
 std::unique_ptr<PathEngine> make_engine(EngineKind kind, Context& context, Parallel& parallel,
-                                        const ProgramOptions& options, std::uint32_t slots, int depth) {
+                                        const ProgramOptions& options, std::uint32_t slots, int depth,
+                                        const WaveTracing& tracing) {
   if (kind == EngineKind::megakernel) {
     return std::make_unique<MegakernelEngine>(context, options, slots, depth);
   }
-  return std::make_unique<WavefrontEngine>(context, parallel, options, slots, depth);
+  return std::make_unique<WavefrontEngine>(context, parallel, options, slots, depth, tracing);
 }
 
 }  // namespace hemiray

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/base/image.hpp"
 #include "host/bvh/accel.hpp"
+#include "host/bvh/ray_queries.hpp"
 #include "host/gpu/context.hpp"
 #include "host/path/engine.hpp"
 #include "host/path/tile_queue.hpp"
@@ -24,6 +26,7 @@ struct RenderOptions {
   std::uint32_t seed = 0;
   bool strict = false;  ///< same bits from both engines
   AccelOptions accel;
+  std::optional<RayGrouping> rays;  ///< how the wavefront traces them; none: what pays (wave_tracing.hpp)
 
   std::function<void(double fraction, double rays_per_second)> on_progress;  ///< after each wave
   std::function<void()> on_first_pass;  ///< when the first sample of every pixel is done

@@ -69,6 +69,11 @@ void RenderSetup::check_memory(const DeviceInfo& device, std::uint64_t available
                   width, height, format_bytes(needed), device.name, format_bytes(available), less));
 }
 
+WaveFacts RenderSetup::wave_facts() const {
+  return {scene.camera.kind == CameraKind::perspective, options.strict,
+          std::uint64_t{pixels} * static_cast<std::uint64_t>(options.spp)};
+}
+
 shared::RenderParams RenderSetup::params(const DeviceScene& device_scene) const {
   shared::RenderParams params{};
   set_camera(params, scene.camera, width, height);

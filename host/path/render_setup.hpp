@@ -6,6 +6,7 @@
 #include "host/gpu/device.hpp"
 #include "host/gpu/device_profile.hpp"
 #include "host/path/render.hpp"
+#include "host/path/wave_tracing.hpp"
 #include "host/scene/device_scene.hpp"
 #include "host/scene/flat_scene.hpp"
 #include "shared/params.h"
@@ -35,6 +36,8 @@ struct RenderSetup {
   [[nodiscard]] std::uint64_t predicted_bytes(const DeviceProfile& profile) const;
   /// Throws DeviceError if the render does not fit into `available` bytes of the device's memory.
   void check_memory(const DeviceInfo& device, std::uint64_t available) const;
+  /// What its camera rays are like.
+  [[nodiscard]] WaveFacts wave_facts() const;
   /// All but first_pixel, sample and slot_count.
   [[nodiscard]] shared::RenderParams params(const DeviceScene& device_scene) const;
 };

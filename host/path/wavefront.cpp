@@ -3,10 +3,21 @@
 #include <array>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "host/scene/features.hpp"
 #include "shared/stages.def"
 
 namespace hemiray {
 namespace {
+
+constexpr std::uint32_t kPointLights = HR_FEATURE_POINT_LIGHTS | HR_FEATURE_SPOT_LIGHTS;
+constexpr std::uint32_t kOtherLights = HR_FEATURE_AREA_LIGHTS | HR_FEATURE_EMITTERS | HR_FEATURE_DIRECTIONAL_LIGHTS;
+constexpr std::uint32_t kGroupRays = 16;  // of a packet, kernels/lib/packet_rays.h
+
+// From this round on, and with no more than a share of the slots alive, a round is mostly launches.
+constexpr int kTailRound = 32;
+constexpr std::uint32_t kTailShare = 16;
 
 struct Stage {
   const char* kernel;
@@ -42,14 +53,19 @@ WavefrontEngine::StateArrays::StateArrays(Context& context, std::uint32_t featur
   }
   HR_PATH_STATE(HR_ADD_FIELD)
 #undef HR_ADD_FIELD
+  for (const Argument& field : all) {
+    if (field.name == "path_ray_origin" || field.name == "path_ray_direction") rays.push_back(field);
+  }
 }
 
 WavefrontEngine::WavefrontEngine(Context& context, Parallel& parallel, const ProgramOptions& options,
-                                 std::uint32_t slots, int depth)
+                                 std::uint32_t slots, int depth, const WaveTracing& tracing)
     : context_(&context),
       parallel_(&parallel),
       features_(options.features),
       slots_(slots),
+      options_(options),
+      tracing_(tracing),
       program_(context, "wavefront", {"path/queue.cl", "path/wavefront.cl", "film/accumulate.cl"}, options),
       sums_(context, features_, slots),
       state_(context, features_, slots),
@@ -59,10 +75,9 @@ WavefrontEngine::WavefrontEngine(Context& context, Parallel& parallel, const Pro
       queue_other_(context, "queue", slots),
       counts_(context, "queue counts", std::size_t{HR_STAGE_done} * context.profile().queue_chunks + 1) {}
 
-std::vector<std::uint32_t> WavefrontEngine::compact_queue(std::uint32_t live, bool is_identity) {
+std::vector<std::uint32_t> WavefrontEngine::compact_queue(std::uint32_t live) {
   const std::uint32_t chunks = context_->profile().queue_chunks;
-  const Arguments common = arguments(arg("queue", queue_), arg("next_stage", next_stage_), arg("count", live),
-                                     arg("is_identity", std::uint32_t{is_identity}));
+  const Arguments common = arguments(arg("queue", queue_), arg("next_stage", next_stage_), arg("count", live));
   launch(*context_, program_.kernel("path_queue_count"), chunks, arguments(common, arg("counts", counts_)));
   parallel_->exclusive_scan(counts_, HR_STAGE_done * chunks);
   launch(*context_, program_.kernel("path_queue_emit"), chunks,
@@ -74,31 +89,71 @@ std::vector<std::uint32_t> WavefrontEngine::compact_queue(std::uint32_t live, bo
   return starts;
 }
 
+void WavefrontEngine::run_stage(std::size_t stage, std::uint32_t first, std::uint32_t items, int round,
+                                const Arguments& common) {
+  const Arguments run = arguments(common, arg("queue", queue_), arg("first", first), arg("count", items));
+  const bool camera_rays = stage == HR_STAGE_intersect_closest && round == 0;
+  const bool to_points = stage == HR_STAGE_intersect_shadow && has_feature(features_, kPointLights) &&
+                         !has_feature(features_, kOtherLights);
+  if (tracing_.packets && camera_rays) return run_packets("path_intersect_closest_packets", items, run);
+  if (tracing_.packets && to_points) run_packets("path_answer_shadow_packets", items, run);
+  const bool incoherent = stage == HR_STAGE_intersect_closest && round > 0;
+  if (incoherent && tracing_.sort_from > 0 && items >= tracing_.sort_from) {
+    if (!sorter_) sorter_.emplace(*context_, *parallel_, slots_, tracing_.lo, tracing_.hi);
+    sorter_->sort(queue_, first, items, state_.rays);
+  }
+  launch(*context_, program_.kernel(kStages[stage].kernel), items, run);
+}
+
+void WavefrontEngine::run_packets(const char* kernel, std::uint32_t rays, const Arguments& run) {
+  const std::uint32_t groups = context_->profile().packet_groups;
+  if (!packet_program_) {
+    ProgramOptions options = options_;
+    options.defines += fmt::format(" -DHR_PACKET_GROUPS={}", groups);
+    packet_program_.emplace(*context_, "wavefront_packets", std::vector<std::string>{"path/packets.cl"}, options);
+  }
+  const std::uint32_t packet = kGroupRays * groups;
+  launch(*context_, packet_program_->kernel(kernel), (rays + packet - 1) / packet, run);
+}
+
+RayCounts WavefrontEngine::finish_paths(std::uint32_t live, const Arguments& common) {
+  if (!finish_program_) {
+    finish_program_.emplace(*context_, "wavefront_finish", std::vector<std::string>{"path/finish.cl"}, options_);
+    tail_rays_ = Buffer<shared::uint2>(*context_, "ray counts", slots_ / kTailShare + 1);
+  }
+  launch(*context_, finish_program_->kernel("path_finish"), live,
+         arguments(common, arg("queue", queue_), arg("ray_counts", tail_rays_), arg("count", live)));
+  RayCounts total;
+  for (const shared::uint2& rays : tail_rays_.read(0, live)) {
+    total.closest += rays.x;
+    total.shadow += rays.y;
+  }
+  return total;
+}
+
 RayCounts WavefrontEngine::trace(shared::RenderParams params, std::uint32_t count, const Arguments& given) {
   params.slot_count = slots_;
   const Arguments common = arguments(given, state_.all, sums_.as_arguments(), branches_.as_arguments(),
                                      arg("next_stage", next_stage_), arg("params", params));
-  const auto run_stage = [&](std::size_t stage, std::uint32_t first, std::uint32_t items) {
-    launch(*context_, program_.kernel(kStages[stage].kernel), items,
-           arguments(common, arg("queue", queue_), arg("first", first), arg("count", items)));
-  };
   RayCounts rays;
-  // The camera rays need no queue of their own: `generate` runs on slots in order. Whatever order the last wave left
-  // in the queue is a permutation of other slots, so the first compaction starts from the identity.
-  std::vector<std::uint32_t> identity(count);
-  for (std::uint32_t i = 0; i < count; i++) identity[i] = i;
-  queue_.write(identity);
-  run_stage(HR_STAGE_generate, 0, count);
-  std::vector<std::uint32_t> starts = compact_queue(count, true);
-  while (starts.back() > 0) {
+  queue_.write(slots_by_tile(params.first_pixel, count, params.width));
+  run_stage(HR_STAGE_generate, 0, count, 0, common);
+  std::vector<std::uint32_t> starts = compact_queue(count);
+  for (int round = 0; starts.back() > 0; round++) {
+    if (round >= kTailRound && starts.back() <= slots_ / kTailShare) {
+      const RayCounts tail = finish_paths(starts.back(), common);
+      rays.closest += tail.closest;
+      rays.shadow += tail.shadow;
+      break;
+    }
     for (std::size_t stage = 0; stage < kStages.size(); stage++) {
       const std::uint32_t items = starts[stage + 1] - starts[stage];
       if (items == 0 || !has_feature(features_, kStages[stage].feature)) continue;
       if (stage == HR_STAGE_intersect_closest) rays.closest += items;
       if (stage == HR_STAGE_intersect_shadow) rays.shadow += items;
-      run_stage(stage, starts[stage], items);
+      run_stage(stage, starts[stage], items, round, common);
     }
-    starts = compact_queue(starts.back(), false);
+    starts = compact_queue(starts.back());
   }
   return rays;
 }

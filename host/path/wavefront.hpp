@@ -1,18 +1,22 @@
-// The wavefront engine: a kernel a stage, queues compacted between rounds.
+// The wavefront engine: a kernel a stage, queues compacted between rounds. The last few paths of a wave go as in the
+// megakernel.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "host/path/branch_stack.hpp"
 #include "host/path/engine.hpp"
+#include "host/path/ray_sorter.hpp"
 #include "shared/path_state.def"
 
 namespace hemiray {
 
 class WavefrontEngine final : public PathEngine {
  public:
-  WavefrontEngine(Context& context, Parallel& parallel, const ProgramOptions& options, std::uint32_t slots, int depth);
+  WavefrontEngine(Context& context, Parallel& parallel, const ProgramOptions& options, std::uint32_t slots, int depth,
+                  const WaveTracing& tracing);
 
   RayCounts trace(shared::RenderParams params, std::uint32_t count, const Arguments& arguments) override;
   [[nodiscard]] const PathSums& sums() const override { return sums_; }
@@ -23,6 +27,7 @@ class WavefrontEngine final : public PathEngine {
   struct StateArrays {
     StateArrays(Context& context, std::uint32_t features, std::uint32_t slots);
     Arguments all;
+    Arguments rays;  ///< path_ray_origin and path_ray_direction
 
    private:
     std::vector<Buffer<shared::real4>> vectors_;
@@ -34,19 +39,30 @@ class WavefrontEngine final : public PathEngine {
   };
 
   /// Sorts the live slots of the queue by their next stage; returns where each stage's run starts, and the end.
-  std::vector<std::uint32_t> compact_queue(std::uint32_t live, bool is_identity);
+  std::vector<std::uint32_t> compact_queue(std::uint32_t live);
+  /// Runs one stage over its part of the queue; `round` 0 has the camera's rays.
+  void run_stage(std::size_t stage, std::uint32_t first, std::uint32_t items, int round, const Arguments& common);
+  /// Traces `rays` rays of the queue's run in packets.
+  void run_packets(const char* kernel, std::uint32_t rays, const Arguments& run);
+  /// Walks the paths left in the queue to their end.
+  RayCounts finish_paths(std::uint32_t live, const Arguments& common);
 
   Context* context_;
   Parallel* parallel_;
   std::uint32_t features_;
   std::uint32_t slots_;
+  ProgramOptions options_;
+  WaveTracing tracing_;
   Program program_;
+  std::optional<Program> packet_program_, finish_program_;  ///< compiled when they are first needed
+  std::optional<RaySorter> sorter_;
   PathSums sums_;
   StateArrays state_;
   BranchStack branches_;
   Buffer<std::uint32_t> next_stage_;
   Buffer<std::uint32_t> queue_, queue_other_;
   Buffer<std::uint32_t> counts_;
+  Buffer<shared::uint2> tail_rays_;
 };
 
 }  // namespace hemiray

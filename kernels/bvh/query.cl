@@ -2,6 +2,7 @@
 // which start close together and go the same way follow each other and find the tree in the cache.
 #include "lib/chunk.h"
 #include "lib/query_ray.h"
+#include "lib/ray_code.h"
 
 #ifndef HR_LOCAL_SIZE
 #define HR_LOCAL_SIZE 64
@@ -51,26 +52,12 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void query_occ
   }
 }
 
-static inline uint interleave(uint4 cell, uint axis_bits) {
-  uint code = 0;
-  for (uint b = axis_bits; b-- > 0;) {
-    code = code << 3 | (cell.x >> b & 1u) << 2 | (cell.y >> b & 1u) << 1 | (cell.z >> b & 1u);
-  }
-  return code;
-}
-
-// keys[i] = (cell of the origin in the scene's bounds, 4 bits an axis; cell of the direction, 3 bits an axis) above i.
-// scale = cells per metre. Launch: G items.
+// keys[i] = code of rays[i] (lib/ray_code.h) above i. Launch: G items.
 kernel void query_code_rays(global const QueryRay* restrict rays, const uint count, const float4 lo, const float4 scale,
                             const uint index_bits, global ulong* restrict keys) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
   const uint end = chunk_begin(count, g + 1, groups);
   for (uint i = chunk_begin(count, g, groups); i < end; i++) {
-    const float4 d = rays[i].direction;
-    const float largest = max(max(fabs(d.x), fabs(d.y)), fabs(d.z));
-    const float4 from = max((float4)(0.0f), min((float4)(15.0f), (rays[i].origin - lo) * scale));
-    const float4 way = max((float4)(0.0f), min((float4)(7.0f), (d / largest) * 4.0f + 4.0f));
-    const uint code = interleave(convert_uint4(from), 4) << 9 | interleave(convert_uint4(way), 3);
-    keys[i] = (ulong)code << index_bits | i;
+    keys[i] = (ulong)ray_code(rays[i].origin, rays[i].direction, lo, scale) << index_bits | i;
   }
 }

@@ -15,6 +15,12 @@ typedef struct LightSample {
   uint first_primitive, last_primitive;  // of the light itself; first > last if it has none
 } LightSample;
 
+// Do all its shadow rays end at light->position?
+static inline bool shines_from_a_point(const Light* light) {
+  return (HR_HAS(POINT_LIGHTS) && light->kind == HR_LIGHT_POINT) ||
+         (HR_HAS(SPOT_LIGHTS) && light->kind == HR_LIGHT_SPOT);
+}
+
 // glTF's KHR_lights_punctual fall-off between the inner and outer cone.
 static inline real spot_factor(const Light* light, real3 from_light) {
   const real cosine = dot3(param3(light->direction), from_light);

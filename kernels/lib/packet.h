@@ -1,18 +1,13 @@
-// Packets: HR_PACKET_GROUPS x 16 rays from one origin (camera, point light, hemicube) go through the tree together. A
-// node's children are first tested against the interval of all directions, then each survivor against the rays
+// Packets (lib/packet_rays.h) of camera rays, of rays from a point light or of a hemicube go through the tree together.
+// A node's children are first tested against the interval of all directions, then each survivor against the rays
 // themselves (Wald, Boulos, Shirley 2007, "Ray Tracing Deformable Scenes Using Dynamic BVHs", with exact second test).
 #ifndef HR_LIB_PACKET_H
 #define HR_LIB_PACKET_H
 
+#include "lib/packet_rays.h"
 #include "lib/traverse.h"
 
 #if HR_EXPLICIT_VECTORS && HR_W > 1
-
-#ifndef HR_PACKET_GROUPS
-#define HR_PACKET_GROUPS 4
-#endif
-#define HR_K HR_PACKET_GROUPS
-#define HR_PACKET_RAYS (16 * HR_K)
 
 // The bounds of a whole packet are widened by 8 ulps on both sides: a reciprocal, a difference and a product of error.
 #define HR_INTERVAL_NEAR 0.999999f
@@ -20,34 +15,12 @@
 // Directions nearer to zero than this count as both signs.
 #define HR_MIXED_DIRECTION 1e-12f
 
-typedef struct Packet {
-  float16 dx[HR_K], dy[HR_K], dz[HR_K];  // directions
-  float16 rx[HR_K], ry[HR_K], rz[HR_K];  // their reciprocals
-  float16 t[HR_K], u[HR_K], v[HR_K];     // closest hits so far; t starts at t_max
-  int16 primitive[HR_K];                 // or HR_NO_PRIMITIVE
-#if HR_TRIANGLE_WATERTIGHT
-  float16 sx[HR_K], sy[HR_K], sz[HR_K];  // shear along the common axis kz
-  uint kx, ky, kz;
-#endif
-  real3 origin;
-  float t_min, t_most;  // t_most: largest t of all rays
-} Packet;
-
 // The slabs of one axis for all directions in [lo, hi].
 typedef struct AxisInterval {
   uint near_row, far_row;                      // in words
   float near_rate, far_rate, other_near_rate;  // 1 / direction
   bool mixed;                                  // both signs: rays may enter by either plane and need not leave
 } AxisInterval;
-
-static inline float least_of16(float16 a) {
-  const float8 b = min(a.lo, a.hi);
-  const float4 c = min(b.lo, b.hi);
-  const float2 d = min(c.lo, c.hi);
-  return min(d.x, d.y);
-}
-
-static inline float most_of16(float16 a) { return -least_of16(-a); }
 
 static inline AxisInterval make_axis_interval(float lo, float hi, uint row) {
   AxisInterval a;
@@ -91,8 +64,8 @@ static inline bool any_ray_enters(const Packet* p, global const float* node, uin
 
 // Takes hits of one primitive into group k; ties go to the smaller primitive.
 static inline bool take_hits(Packet* p, uint k, int16 met, float16 t, float16 u, float16 v, int primitive) {
-  const int16 closer =
-      met & (t > p->t_min) & ((t < p->t[k]) | ((t == p->t[k]) & ((int16)(primitive) < p->primitive[k])));
+  const int16 closer = met & (t > p->t_min) & ((int16)(primitive) != p->skip[k]) &
+                       ((t < p->t[k]) | ((t == p->t[k]) & ((int16)(primitive) < p->primitive[k])));
   if (!any_lane16(closer)) return false;
   p->t[k] = select(p->t[k], t, closer);
   p->u[k] = select(p->u[k], u, closer);
@@ -134,8 +107,7 @@ static inline bool intersect_packet_triangle(Packet* p, global const float* bloc
   return any;
 }
 
-static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block,
-                                          const float* least, const float* most, bool* updated) {
+static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block, bool* updated) {
   for (uint lane = 0; lane < HR_L; lane++) {
     const uint primitive = block_primitive(block, lane);
     if (primitive >= view->triangle_count) continue;
@@ -152,8 +124,8 @@ static inline HR_FLOATL upper_bound(HR_FLOATL x, HR_FLOATL y, HR_FLOATL z, const
 // With a common origin o the volumes are dot products of a direction with three vectors a triangle (Davidovič et al.
 // 2012, "3D Rasterization: A Bridge Between Rasterization and Ray Casting"); bounds over all directions discard most
 // triangles of a block at once.
-static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block,
-                                          const float* least, const float* most, bool* updated) {
+static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block, bool* updated) {
+  const float *least = p->least, *most = p->most;
   const HR_FLOATL ox = HR_ROW(0) - p->origin.x, oy = HR_ROW(1) - p->origin.y, oz = HR_ROW(2) - p->origin.z;
   const HR_FLOATL e1x = HR_ROW(3), e1y = HR_ROW(4), e1z = HR_ROW(5);
   const HR_FLOATL e2x = HR_ROW(6), e2y = HR_ROW(7), e2z = HR_ROW(8);
@@ -261,9 +233,9 @@ static inline void finish_hit_rays(Packet* p) {
 }
 
 // Traces the packet; hits are in t, u, v, primitive afterwards (only primitive with `any`).
-static inline void traverse_packet(const SceneView* view, Packet* p, const float* least, const float* most, bool any) {
+static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
   AxisInterval axes[3];
-  for (uint i = 0; i < 3; i++) axes[i] = make_axis_interval(least[i], most[i], 2 * i * HR_W);
+  for (uint i = 0; i < 3; i++) axes[i] = make_axis_interval(p->least[i], p->most[i], 2 * i * HR_W);
   if (HR_HAS(PLANES)) {
     intersect_packet_planes(view, p);
     if (any) finish_hit_rays(p);
@@ -296,7 +268,7 @@ static inline void traverse_packet(const SceneView* view, Packet* p, const float
       global const float* block = block_at(view, leaf >> 4);
       bool updated = false;
       for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
-        if (HR_HAS(TRIANGLES)) intersect_packet_block(view, p, block, least, most, &updated);
+        if (HR_HAS(TRIANGLES)) intersect_packet_block(view, p, block, &updated);
         if (HR_HAS(SPHERES)) intersect_packet_spheres(view, p, block, &updated);
       }
       if (updated) {

@@ -9,7 +9,7 @@
 #include "path/path_context.h"
 
 // A shadow ray ends this much (relative) before the light sample: t carries a few rounding errors.
-#define HR_SHADOW_RAY_END (1 - 16 * HR_HALF_ULP)
+#define HR_SHADOW_RAY_MARGIN (16 * HR_HALF_ULP)
 
 static inline uint after_lights(const PathContext* context, const PathState* s) {
   if (HR_HAS(SECONDARY) && s->control.x < context->params.max_depth) {
@@ -25,7 +25,7 @@ static inline uint next_light_sample(const PathContext* context, PathState* s) {
   const real3 position = xyz(s->position), n = xyz(s->normal), n_shading = xyz(s->shading_normal);
   while (s->shadow_cursor.x < context->view.light_count) {
     const Light light = context->view.lights[s->shadow_cursor.x];
-    const uint k = s->shadow_cursor.y;
+    const uint k = s->shadow_cursor.y, index = s->shadow_cursor.x;
     s->shadow_cursor.y++;
     if (s->shadow_cursor.y == light.sample_count) {
       s->shadow_cursor.x++;
@@ -40,8 +40,8 @@ static inline uint next_light_sample(const PathContext* context, PathState* s) {
                                                                   sample.direction, -xyz(s->ray_direction));
     if (!(max_component(radiance) > 0)) continue;
     const real3 origin = offset_origin(position, xyz(s->position_error), n, sample.direction);
-    s->shadow_origin = vec4(origin, sample.distance * HR_SHADOW_RAY_END);
-    s->shadow_direction = vec4(sample.direction, 0);
+    s->shadow_origin = vec4(origin, sample.distance * (1 - HR_SHADOW_RAY_MARGIN));
+    s->shadow_direction = vec4(sample.direction, shines_from_a_point(&light) ? (real)(index + 1) : (real)0);
     s->shadow_radiance = vec4(radiance, 0);
     s->shadow_cursor.z = sample.first_primitive;
     s->shadow_cursor.w = sample.last_primitive;

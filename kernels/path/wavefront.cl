@@ -1,16 +1,11 @@
 // The wavefront engine: one kernel a stage, made from stages.def. Work-item i runs the path in slot queue[first + i];
 // the path's state lies in one array a field (path_state.def).
 #include "path/stages.h"
+#include "path/state_arrays.h"
 
 #ifndef HR_LOCAL_SIZE
 #define HR_LOCAL_SIZE 64
 #endif
-
-#define HR_STATE_PARAMETER(group, feature, type, name) HR_IF_##feature(global type* restrict path_##name HR_COMMA)
-#define HR_STATE_LOAD(group, feature, type, name) \
-  HR_IF_##feature(if (loads & HR_GROUP_##group) state.name = path_##name[slot];)
-#define HR_STATE_STORE(group, feature, type, name) \
-  HR_IF_##feature(if (stores & HR_GROUP_##group) path_##name[slot] = state.name;)
 
 // Launch: one item a queue entry, rounded up to the local size. next_stage[slot] receives the path's next stage.
 #define HR_STAGE_KERNEL(feature, name, group_loads, group_stores)                                            \
