@@ -17,8 +17,8 @@ typedef struct LightSample {
 
 // Do all its shadow rays end at light->position?
 static inline bool shines_from_a_point(const Light* light) {
-  return (HR_HAS(POINT_LIGHTS) && light->kind == HR_LIGHT_POINT) ||
-         (HR_HAS(SPOT_LIGHTS) && light->kind == HR_LIGHT_SPOT);
+  if (HR_HAS(POINT_LIGHTS) && light->kind == HR_LIGHT_POINT) return true;
+  return HR_HAS(SPOT_LIGHTS) && light->kind == HR_LIGHT_SPOT;
 }
 
 // glTF's KHR_lights_punctual fall-off between the inner and outer cone.
