@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/gpu/parallel.hpp"
 #include "shared/bvh_types.h"
 
 namespace hemiray {
@@ -11,8 +12,8 @@ namespace {
 // Of usual scenes: the share of a leaf's lanes in use, and of a node's children (measured, tests/bvh/test_accel.cpp).
 constexpr double kLeafFill = 0.66;
 constexpr double kNodeFill = 0.97;
-// kernels/bvh/arena.h and kernels/parallel/radix_sort.cl
-constexpr std::uint64_t kSweepDepth = 130, kArenaRows = 9, kArenaPad = 64, kMaxRadix = 2048;
+// kernels/bvh/arena.h
+constexpr std::uint64_t kSweepDepth = 130, kArenaRows = 9, kArenaPad = 64;
 
 }  // namespace
 
@@ -31,8 +32,8 @@ AccelMemory predict_accel_bytes(std::uint64_t primitives, const AccelOptions& gi
   const std::uint64_t groups = std::clamp<std::uint64_t>(count / 256, 1, profile.cluster_chunks);
   const std::uint64_t limit = options.builder == TreeBuilder::quality ? profile.cluster_limit : 1;
   const std::uint64_t joined = std::min(groups * kSweepDepth * limit, count);
-  const std::uint64_t kept = sizeof(std::uint32_t) * (kMaxRadix * profile.chunks + 1)   // the sort's digit counts
-                             + groups * (kSweepDepth * 2 + 1) * sizeof(std::uint32_t);  // pending ranges
+  const std::uint64_t kept =
+      sort_bytes(profile) + groups * (kSweepDepth * 2 + 1) * sizeof(std::uint32_t);  // and the pending ranges
   const std::uint64_t arenas =
       kArenaRows * sizeof(float) * (groups * ((kSweepDepth + 1) * limit + kArenaPad) + joined + kArenaPad);
   AccelMemory memory;

@@ -72,6 +72,7 @@ DeviceProfile class_profile(const DeviceInfo& device) {
   if (device.kind == DeviceKind::gpu) {
     profile.chunks = 2048;
     profile.chunk_local_size = 32;
+    profile.sort_groups = 512;
     profile.queue_chunks = 2048;
     profile.wave_slots = 1U << 20U;
     profile.bvh_width = 4;

@@ -14,6 +14,7 @@ namespace hemiray {
   FIELD(local_size, 64, 1, 1024, "work-group size of item-a-thing kernels (compiled in)")                     \
   FIELD(chunks, 16, 1, 65536, "work-items of chunked kernels (sort, bounds)")                                 \
   FIELD(chunk_local_size, 1, 1, 1024, "their work-group size")                                                \
+  FIELD(sort_groups, 0, 0, 4096, "work-groups that sort in local memory; 0: chunks sort by item")             \
   FIELD(queue_chunks, 16, 1, 65536, "work-items of queue compaction")                                         \
   FIELD(wave_slots, 65536, 64, 1U << 26U, "paths in flight")                                                  \
   FIELD(bvh_width, 8, 2, 8, "children a node: 2, 4 or 8")                                                     \

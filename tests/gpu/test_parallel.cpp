@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <numeric>
 #include <random>
 #include <string>
@@ -19,9 +20,20 @@ using Values = std::vector<std::uint32_t>;
 
 constexpr std::uint32_t kSizes[] = {0,   1,    2,    3,    7,    8,    9,    15,    16,    17,    31,    32,
                                     33,  63,   64,   65,   127,  128,  129,  255,   256,   257,   511,   512,
-                                    513, 1023, 1024, 1025, 4095, 4096, 4097, 65535, 65536, 65537, 100000};
+                                    513, 1023, 1024, 1025, 4095, 4096, 4097, 65535, 65536, 65537, 100007};
 
 constexpr unsigned kIndexBits = 17;  // enough for the places of the largest count
+
+// Both forms of the sort and of the scan: by work-items, and by work-groups, of which some get no keys.
+void with_both_forms(const std::function<void(Context&, Parallel&)>& check) {
+  for (const std::string groups : {"0", "5"}) {
+    const test::ProfileFile profile(test::ProfileFile::for_all(R"("sort_groups": )" + groups));
+    Context context(choose_device(""));
+    Parallel parallel(context);
+    INFO(groups << " work-groups");
+    check(context, parallel);
+  }
+}
 
 // Sorts the first `count` keys on the device; the array may be longer.
 Keys sort_on_device(Context& context, Parallel& parallel, const Keys& keys, std::uint32_t count, unsigned first_bit,
@@ -64,60 +76,60 @@ Keys random_keys(std::uint32_t count, std::uint64_t seed, std::uint64_t mask = ~
 }  // namespace
 
 TEST_CASE("the scan is the exclusive prefix sum, and the total follows") {
-  Context context(choose_device(""));
-  Parallel parallel(context);
-  std::mt19937 random(1);
-  for (const std::uint32_t count : kSizes) {
-    Values input(count + 3);
-    for (std::uint32_t& v : input) v = static_cast<std::uint32_t>(random());  // sums wrap, as unsigned ones do
-    Buffer<std::uint32_t> values(context, "values", std::span<const std::uint32_t>(input));
-    parallel.exclusive_scan(values, count);
-    Values expected = input;
-    std::exclusive_scan(input.begin(), input.begin() + count, expected.begin(), 0U);
-    expected[count] = std::accumulate(input.begin(), input.begin() + count, 0U);
-    INFO(count << " values");
-    REQUIRE(values.read() == expected);  // what lies behind is left alone
-  }
+  with_both_forms([](Context& context, Parallel& parallel) {
+    std::mt19937 random(1);
+    for (const std::uint32_t count : kSizes) {
+      Values input(count + 3);
+      for (std::uint32_t& v : input) v = static_cast<std::uint32_t>(random());  // sums wrap, as unsigned ones do
+      Buffer<std::uint32_t> values(context, "values", std::span<const std::uint32_t>(input));
+      parallel.exclusive_scan(values, count);
+      Values expected = input;
+      std::exclusive_scan(input.begin(), input.begin() + count, expected.begin(), 0U);
+      expected[count] = std::accumulate(input.begin(), input.begin() + count, 0U);
+      INFO(count << " values");
+      REQUIRE(values.read() == expected);  // what lies behind is left alone
+    }
+  });
 }
 
 TEST_CASE("the sort is std::stable_sort for random keys of many counts") {
-  Context context(choose_device(""));
-  Parallel parallel(context);
-  for (const std::uint32_t count : kSizes) {
-    check_sort(context, parallel, random_keys(count, count + 1U), 0, 64);
-    check_sort(context, parallel, with_places(random_keys(count, count + 2U)), kIndexBits, 12);
-  }
+  with_both_forms([](Context& context, Parallel& parallel) {
+    for (const std::uint32_t count : kSizes) {
+      check_sort(context, parallel, random_keys(count, count + 1U), 0, 64);
+      check_sort(context, parallel, with_places(random_keys(count, count + 2U)), kIndexBits, 12);
+    }
+  });
 }
 
 TEST_CASE("the sort is std::stable_sort for keys with a pattern") {
-  Context context(choose_device(""));
-  Parallel parallel(context);
-  for (const std::uint32_t count : {2U, 255U, 256U, 257U, 1000U, 100000U}) {
-    Keys keys = random_keys(count, 9);
-    std::sort(keys.begin(), keys.end());
-    check_sort(context, parallel, keys, 0, 64);  // sorted already
-    std::reverse(keys.begin(), keys.end());
-    check_sort(context, parallel, keys, 0, 64);                                         // reversed
-    check_sort(context, parallel, Keys(count, 0x0123456789abcdefU), 0, 64);             // all equal
-    check_sort(context, parallel, random_keys(count, 10, 0x3U), 0, 64);                 // few distinct
-    check_sort(context, parallel, random_keys(count, 11, 0xff00000000000000U), 0, 64);  // the last digit only
-    check_sort(context, parallel, with_places(random_keys(count, 12, 0xffU << kIndexBits)), kIndexBits, 8);
-    Keys outlier(count, 0);
-    outlier.front() = ~std::uint64_t{0};
-    check_sort(context, parallel, outlier, 0, 64);
-  }
+  with_both_forms([](Context& context, Parallel& parallel) {
+    for (const std::uint32_t count : {2U, 255U, 256U, 257U, 1000U, 100000U}) {
+      Keys keys = random_keys(count, 9);
+      std::sort(keys.begin(), keys.end());
+      check_sort(context, parallel, keys, 0, 64);  // sorted already
+      std::reverse(keys.begin(), keys.end());
+      check_sort(context, parallel, keys, 0, 64);                                         // reversed
+      check_sort(context, parallel, Keys(count, 0x0123456789abcdefU), 0, 64);             // all equal
+      check_sort(context, parallel, random_keys(count, 10, 0x3U), 0, 64);                 // few distinct
+      check_sort(context, parallel, random_keys(count, 11, 0xff00000000000000U), 0, 64);  // the last digit only
+      check_sort(context, parallel, with_places(random_keys(count, 12, 0xffU << kIndexBits)), kIndexBits, 8);
+      Keys outlier(count, 0);
+      outlier.front() = ~std::uint64_t{0};
+      check_sort(context, parallel, outlier, 0, 64);
+    }
+  });
 }
 
 TEST_CASE("only the bits asked for count, wherever they lie") {
-  Context context(choose_device(""));
-  Parallel parallel(context);
-  const Keys keys = random_keys(5000, 12);
-  for (const unsigned bits : {0U, 1U, 2U, 7U, 10U, 11U, 12U, 21U, 22U, 23U, 33U, 34U, 44U, 45U, 63U}) {
-    for (const unsigned first : {0U, 1U, 13U, 31U, 33U}) {
-      if (first + bits <= 64) check_sort(context, parallel, keys, first, bits);
+  with_both_forms([](Context& context, Parallel& parallel) {
+    const Keys keys = random_keys(5000, 12);
+    for (const unsigned bits : {0U, 1U, 2U, 7U, 10U, 11U, 12U, 21U, 22U, 23U, 33U, 34U, 44U, 45U, 63U}) {
+      for (const unsigned first : {0U, 1U, 13U, 31U, 33U}) {
+        if (first + bits <= 64) check_sort(context, parallel, keys, first, bits);
+      }
+      check_sort(context, parallel, keys, 64 - bits - (bits == 0 ? 1 : 0), bits);  // the highest
     }
-    check_sort(context, parallel, keys, 64 - bits - (bits == 0 ? 1 : 0), bits);  // the highest
-  }
+  });
 }
 
 TEST_CASE("the sort is std::stable_sort with any number of chunks") {
@@ -133,22 +145,42 @@ TEST_CASE("the sort is std::stable_sort with any number of chunks") {
   }
 }
 
+TEST_CASE("work-groups of any size and number sort as std::stable_sort does") {
+  const DeviceInfo device = choose_device("");
+  for (const std::uint32_t local_size : {1U, 24U, 256U, 1024U}) {
+    if (local_size > device.max_work_group_size) continue;
+    for (const std::uint32_t groups : {1U, 2U, 67U}) {
+      DeviceProfile profile = class_profile(device);
+      profile.local_size = local_size;
+      profile.sort_groups = groups;
+      Context context(device, profile);
+      Parallel parallel(context);
+      INFO(groups << " groups of " << local_size);
+      for (const std::uint32_t count : {2U, 255U, 256U, 257U, 2047U, 2048U, 2049U, 100007U}) {
+        check_sort(context, parallel, with_places(random_keys(count, 18)), kIndexBits, 23);
+      }
+      Keys equal(30000, 77);
+      check_sort(context, parallel, with_places(equal), kIndexBits, 7);
+    }
+  }
+}
+
 TEST_CASE("no more keys are sorted than asked for") {
-  Context context(choose_device(""));
-  Parallel parallel(context);
-  const Keys keys = random_keys(1000, 14);
-  Keys expected(keys.begin(), keys.begin() + 700);
-  std::sort(expected.begin(), expected.end());
-  CHECK(sort_on_device(context, parallel, keys, 700, 0, 64) == expected);
+  with_both_forms([](Context& context, Parallel& parallel) {
+    const Keys keys = random_keys(1000, 14);
+    Keys expected(keys.begin(), keys.begin() + 700);
+    std::sort(expected.begin(), expected.end());
+    CHECK(sort_on_device(context, parallel, keys, 700, 0, 64) == expected);
+  });
 }
 
 TEST_CASE("sorting takes no memory of its own") {
-  Context context(choose_device(""));
-  Parallel parallel(context);
-  const std::uint64_t before = context.allocated_bytes();
-  check_sort(context, parallel, random_keys(1000, 15), 0, 64);
-  CHECK(context.allocated_bytes() == before);
-  CHECK(context.peak_bytes() == before + 2 * 1000 * sizeof(std::uint64_t));
+  with_both_forms([](Context& context, Parallel& parallel) {
+    const std::uint64_t before = context.allocated_bytes();
+    check_sort(context, parallel, random_keys(1000, 15), 0, 64);
+    CHECK(context.allocated_bytes() == before);
+    CHECK(context.peak_bytes() == before + 2 * 1000 * sizeof(std::uint64_t));
+  });
 }
 
 }  // namespace hemiray
