@@ -40,6 +40,8 @@ struct AccelConfig {
 
   /// "-DHR_BVH_WIDTH=8 ...", for ProgramOptions.
   [[nodiscard]] std::string defines() const;
+  /// Packets walk the bvh's nodes and blocks, in vectors (HR_PACKETS of kernels/lib/packet.h).
+  [[nodiscard]] bool has_packets() const { return explicit_vectors && kind == AccelKind::bvh && leaf_lanes > 1; }
   [[nodiscard]] std::size_t node_words() const { return std::size_t{8} * width; }
   [[nodiscard]] std::size_t block_words() const { return std::size_t{10} * leaf_lanes; }
 };

@@ -28,11 +28,7 @@ RayQueries::RayQueries(Context& context, const DeviceScene& scene, const Accel& 
     : context_(&context),
       scene_(&scene),
       accel_(&accel),
-      // Packets walk the bvh's nodes, in vectors.
-      grouping_(grouping == RayGrouping::packets &&
-                        (!accel.config().explicit_vectors || accel.config().kind != AccelKind::bvh)
-                    ? RayGrouping::single
-                    : grouping),
+      grouping_(grouping == RayGrouping::packets && !accel.config().has_packets() ? RayGrouping::single : grouping),
       program_(context, grouping_ == RayGrouping::packets ? "packet_query" : "query",
                {grouping_ == RayGrouping::packets ? "bvh/packet_query.cl" : "bvh/query.cl"},
                query_options(context, scene, accel, strict)) {

@@ -12,8 +12,8 @@
 namespace hemiray {
 
 /// How rays are traced. single: in the order given. packets: neighbours that share their origin (camera, point light,
-/// hemicube) together; a packet whose rays do not is traced one by one, and so are all on devices without explicit
-/// vectors. sorted: by origin and direction first, which pays for many incoherent rays.
+/// hemicube) together; a packet whose rays do not is traced one by one, and so are all through trees that are not laid
+/// out in vectors, or not bvhs. sorted: by origin and direction first, which pays for many incoherent rays.
 enum class RayGrouping { single, packets, sorted };
 
 /// Answers ray queries for arrays of rays against one scene and its tree, which must outlive it.

@@ -18,15 +18,15 @@ WaveTracing choose_tracing(const std::optional<RayGrouping>& chosen, const WaveF
   WaveTracing tracing;
   tracing.lo = accel.statistics().lo;
   tracing.hi = accel.statistics().hi;
-  const bool possible = !facts.strict && accel.config().explicit_vectors && accel.config().kind == AccelKind::bvh;
+  const bool possible = !facts.strict && accel.config().has_packets();
   if (!chosen) {
     tracing.packets = possible && facts.common_origin && facts.camera_rays >= kRaysWorthPackets;
     tracing.sort_from = profile.sort_rays;
   } else if (*chosen == RayGrouping::packets) {
     if (!possible) {
       throw InputError("--rays packets",
-                       "cannot be had with --strict, over trees of cells, nor on devices without "
-                       "explicit vectors; take --rays single");
+                       "cannot be had with --strict, over trees of cells, nor where leaves are not laid "
+                       "out in vectors; take --rays single");
     }
     tracing.packets = true;
   } else if (*chosen == RayGrouping::sorted) {

@@ -3,7 +3,7 @@
 #include "lib/packet.h"
 #include "lib/query_ray.h"
 
-#if HR_EXPLICIT_VECTORS
+#if HR_PACKETS
 
 static inline bool same_point(QueryRay a, QueryRay b) {
   return a.origin.x == b.origin.x && a.origin.y == b.origin.y && a.origin.z == b.origin.z && a.origin.w == b.origin.w;

@@ -11,46 +11,28 @@
 #define HR_RAYS_PER_ITEM 1
 #endif
 
-// hits[i] = closest hit of rays[i]. Launch: count / HR_RAYS_PER_ITEM items, rounded up to the local size.
-kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void query_intersect(
-    HR_SCENE_PARAMETERS global const QueryRay* restrict rays, global QueryHit* restrict hits, const uint count,
-    const RenderParams params) {
-  const uint first = (uint)get_global_id(0) * HR_RAYS_PER_ITEM;
-  HR_MAKE_SCENE_VIEW(params)
-  for (uint i = first; i < min(count, first + HR_RAYS_PER_ITEM); i++) hits[i] = query_closest(&view, rays[i]);
-}
-
-// occluded[i] = 1 if rays[i] meets anything, else 0. Launch: as query_intersect.
-kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void query_occluded(
-    HR_SCENE_PARAMETERS global const QueryRay* restrict rays, global uint* restrict occluded, const uint count,
-    const RenderParams params) {
-  const uint first = (uint)get_global_id(0) * HR_RAYS_PER_ITEM;
-  HR_MAKE_SCENE_VIEW(params)
-  for (uint i = first; i < min(count, first + HR_RAYS_PER_ITEM); i++) occluded[i] = query_any(&view, rays[i]);
-}
-
-// The same in the order of sorted keys, whose low index_bits name the ray. Launch: as query_intersect.
-kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void query_intersect_sorted(
-    HR_SCENE_PARAMETERS global const QueryRay* restrict rays, global QueryHit* restrict hits, const uint count,
-    const RenderParams params, global const ulong* restrict keys, const uint index_bits) {
-  const uint first = (uint)get_global_id(0) * HR_RAYS_PER_ITEM;
-  HR_MAKE_SCENE_VIEW(params)
-  for (uint k = first; k < min(count, first + HR_RAYS_PER_ITEM); k++) {
-    const uint i = (uint)(keys[k] & ((1ul << index_bits) - 1));
-    hits[i] = query_closest(&view, rays[i]);
+// results[i] = query(rays[i]), for the rays in the order given or in that of sorted keys, whose low index_bits name the
+// ray. Launch: count / HR_RAYS_PER_ITEM items, rounded up to the local size.
+#define HR_QUERY_KERNEL(name, Result, results, query, order_parameters, ray_at_k)                                  \
+  kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void name(                                     \
+      HR_SCENE_PARAMETERS global const QueryRay* restrict rays, global Result* restrict results, const uint count, \
+      const RenderParams params order_parameters) {                                                                \
+    const uint first = (uint)get_global_id(0) * HR_RAYS_PER_ITEM;                                                  \
+    HR_MAKE_SCENE_VIEW(params)                                                                                     \
+    for (uint k = first; k < min(count, first + HR_RAYS_PER_ITEM); k++) {                                          \
+      const uint i = ray_at_k;                                                                                     \
+      results[i] = query(&view, rays[i]);                                                                          \
+    }                                                                                                              \
   }
-}
+#define HR_SORTED_PARAMETERS , global const ulong *restrict keys, const uint index_bits
+#define HR_SORTED_RAY ((uint)(keys[k] & ((1ul << index_bits) - 1)))
 
-kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void query_occluded_sorted(
-    HR_SCENE_PARAMETERS global const QueryRay* restrict rays, global uint* restrict occluded, const uint count,
-    const RenderParams params, global const ulong* restrict keys, const uint index_bits) {
-  const uint first = (uint)get_global_id(0) * HR_RAYS_PER_ITEM;
-  HR_MAKE_SCENE_VIEW(params)
-  for (uint k = first; k < min(count, first + HR_RAYS_PER_ITEM); k++) {
-    const uint i = (uint)(keys[k] & ((1ul << index_bits) - 1));
-    occluded[i] = query_any(&view, rays[i]);
-  }
-}
+// The closest hits.
+HR_QUERY_KERNEL(query_intersect, QueryHit, hits, query_closest, , k)
+HR_QUERY_KERNEL(query_intersect_sorted, QueryHit, hits, query_closest, HR_SORTED_PARAMETERS, HR_SORTED_RAY)
+// 1 for rays that meet anything, else 0.
+HR_QUERY_KERNEL(query_occluded, uint, occluded, query_any, , k)
+HR_QUERY_KERNEL(query_occluded_sorted, uint, occluded, query_any, HR_SORTED_PARAMETERS, HR_SORTED_RAY)
 
 // keys[i] = code of rays[i] (lib/ray_code.h) above i. Launch: G items.
 kernel void query_code_rays(global const QueryRay* restrict rays, const uint count, const float4 lo, const float4 scale,

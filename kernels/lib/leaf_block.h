@@ -126,9 +126,9 @@ static inline void intersect_block_closest(const SceneView* view, global const f
   if (lanes) {
     float t[HR_L], u[HR_L], v[HR_L];
     const HR_FLOATL inverse_det = 1.0f / hits.det;
-    *(HR_FLOATL*)t = hits.t_det * inverse_det;
-    *(HR_FLOATL*)u = hits.u_det * inverse_det;
-    *(HR_FLOATL*)v = hits.v_det * inverse_det;
+    HR_STORE(HR_L, hits.t_det * inverse_det, t);
+    HR_STORE(HR_L, hits.u_det * inverse_det, u);
+    HR_STORE(HR_L, hits.v_det * inverse_det, v);
     do {
       const uint lane = first_lane(lanes);
       lanes = without_first(lanes);
@@ -154,7 +154,7 @@ static inline bool intersect_block_any(const SceneView* view, global const float
   LaneSet lanes = block_candidates(view, block, ray, ray->t_max, &hits);
   if (lanes) {
     float t[HR_L];
-    *(HR_FLOATL*)t = hits.t_det * (1.0f / hits.det);
+    HR_STORE(HR_L, hits.t_det * (1.0f / hits.det), t);
     do {
       const uint lane = first_lane(lanes);
       lanes = without_first(lanes);

@@ -7,7 +7,9 @@
 #include "lib/packet_rays.h"
 #include "lib/traverse.h"
 
-#if HR_EXPLICIT_VECTORS && HR_W > 1
+// Blocks of one lane have no vectors to test: RayQueries traces their rays one by one.
+#define HR_PACKETS (HR_EXPLICIT_VECTORS && HR_W > 1 && HR_L > 1)
+#if HR_PACKETS
 
 // The bounds of a whole packet are widened by 8 ulps on both sides: a reciprocal, a difference and a product of error.
 #define HR_INTERVAL_NEAR 0.999999f
@@ -152,16 +154,16 @@ static inline void intersect_packet_block(const SceneView* view, Packet* p, glob
   LaneSet lanes = HR_LANES_OF_L(may);
   if (!lanes) return;
   float q[10][HR_L];
-  *(HR_FLOATL*)q[0] = nx;
-  *(HR_FLOATL*)q[1] = ny;
-  *(HR_FLOATL*)q[2] = nz;
-  *(HR_FLOATL*)q[3] = ux;
-  *(HR_FLOATL*)q[4] = uy;
-  *(HR_FLOATL*)q[5] = uz;
-  *(HR_FLOATL*)q[6] = vx;
-  *(HR_FLOATL*)q[7] = vy;
-  *(HR_FLOATL*)q[8] = vz;
-  *(HR_FLOATL*)q[9] = t_det;
+  HR_STORE(HR_L, nx, q[0]);
+  HR_STORE(HR_L, ny, q[1]);
+  HR_STORE(HR_L, nz, q[2]);
+  HR_STORE(HR_L, ux, q[3]);
+  HR_STORE(HR_L, uy, q[4]);
+  HR_STORE(HR_L, uz, q[5]);
+  HR_STORE(HR_L, vx, q[6]);
+  HR_STORE(HR_L, vy, q[7]);
+  HR_STORE(HR_L, vz, q[8]);
+  HR_STORE(HR_L, t_det, q[9]);
   do {
     const uint lane = first_lane(lanes);
     lanes = without_first(lanes);
@@ -190,16 +192,16 @@ static inline void intersect_packet_spheres(const SceneView* view, Packet* p, gl
     for (uint k = 0; k < HR_K; k++) {
       float dx[16], dy[16], dz[16], t[16];
       int met[16];
-      *(float16*)dx = p->dx[k];
-      *(float16*)dy = p->dy[k];
-      *(float16*)dz = p->dz[k];
+      vstore16(p->dx[k], 0, dx);
+      vstore16(p->dy[k], 0, dy);
+      vstore16(p->dz[k], 0, dz);
       for (uint i = 0; i < 16; i++) {
         const Ray ray = make_ray(p->origin, (real3)(dx[i], dy[i], dz[i]), p->t_min, INFINITY);
         Hit hit;
         met[i] = intersect_lane(view, block, lane, &ray, &hit) ? -1 : 0;
         t[i] = hit.t;
       }
-      if (take_hits(p, k, *(const int16*)met, *(const float16*)t, (float16)(0.0f), (float16)(0.0f),
+      if (take_hits(p, k, vload16(0, met), vload16(0, t), (float16)(0.0f), (float16)(0.0f),
                     (int)block_primitive(block, lane))) {
         *updated = true;
       }
@@ -259,7 +261,7 @@ static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
       }
       if (entered) {
         float t_near[HR_W];
-        *(HR_FLOATW*)t_near = t_in;
+        HR_STORE(HR_W, t_in, t_near);
         at = nearest_child(view, node, entered, t_near, stack, &size);
         continue;
       }

@@ -84,7 +84,7 @@ static inline LaneSet enter_children(global const float* node, const Ray* ray, c
   const HR_FLOATW t_in = max((HR_FLOATW)(ray->t_min), max(max(x_in, y_in), z_in));
   const HR_FLOATW t_out = min((HR_FLOATW)(t_far), min(min(x_out, y_out), z_out));
 #endif
-  *(HR_FLOATW*)t_near = t_in;
+  HR_STORE(HR_W, t_in, t_near);
   return HR_LANES_OF_W(t_in <= t_out);
 }
 

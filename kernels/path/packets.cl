@@ -4,7 +4,7 @@
 #include "path/stages.h"
 #include "path/state_arrays.h"
 
-#if HR_EXPLICIT_VECTORS && HR_ACCEL == HR_ACCEL_BVH
+#if HR_PACKETS && HR_ACCEL == HR_ACCEL_BVH
 
 #define HR_PACKET_PARAMETERS                                                                               \
   HR_PATH_STATE(HR_STATE_PARAMETER)                                                                        \

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -49,18 +50,43 @@ void check_rays(const FlatScene& flat, RayQueries& queries, const Rays& rays) {
   CHECK(found >= rays.size() / 4);
 }
 
+// Everything needed to ask a scene's tree.
+struct TinyTree {
+  TinyTree(const FlatScene& flat, const AccelOptions& options) : scene(context, flat, test::kAllPrimitives) {
+    accel.emplace(builder, scene, options);
+  }
+  static DeviceProfile profile() {
+    DeviceProfile profile = profile_for(choose_device(""));
+    profile.packet_groups = 1;
+    return profile;
+  }
+  Context context{choose_device(""), profile()};
+  Parallel parallel{context};
+  AccelBuilder builder{context, parallel, true};  // Oclgrind mistakes memory taken again after a release
+  DeviceScene scene;
+  std::optional<Accel> accel;
+};
+
 void check_tree(const FlatScene& flat, const AccelOptions& options) {
   INFO("width " << options.width << ", lanes " << options.leaf_lanes << ", vectors " << options.explicit_vectors);
-  Context context(choose_device(""));
-  Parallel parallel(context);
-  AccelBuilder builder(context, parallel, true);  // Oclgrind mistakes memory taken again after a release
-  const DeviceScene scene(context, flat, test::kAllPrimitives);
-  Accel accel(builder, scene, options);
-  RayQueries queries(context, scene, accel);
+  TinyTree tree(flat, options);
+  RayQueries queries(tree.context, tree.scene, *tree.accel);
   check_rays(flat, queries, rays_through(1));
   // A refit to the very places must change no answer.
-  accel.refit(scene);
+  tree.accel->refit(tree.scene);
   check_rays(flat, queries, rays_through(2));
+}
+
+void check_grouping(const FlatScene& flat, const AccelOptions& options, RayGrouping grouping, const Rays& rays) {
+  TinyTree tree(flat, options);
+  RayQueries queries(tree.context, tree.scene, *tree.accel, false, grouping);
+  check_rays(flat, queries, rays);
+}
+
+FlatScene smaller_soup() {
+  FlatScene flat = test::soup(5, 1, 1.5F, 3);
+  test::add_plane(flat, {0, -1.5F, 0}, {0, 1, 0});
+  return flat;
 }
 
 FlatScene small_soup() {
@@ -87,23 +113,30 @@ Scene small_room() {
 
 }  // namespace
 
-TEST_CASE("tiny: keys are scanned and sorted") {
-  Context context(choose_device(""));
-  Parallel parallel(context);
-  std::mt19937 random(1);
-  std::vector<std::uint64_t> keys(37);
-  for (std::size_t i = 0; i < keys.size(); i++) keys[i] = std::uint64_t{random() % 4096U} << 8U | i;
-  Buffer<std::uint64_t> sorted(context, "keys", std::span<const std::uint64_t>(keys));
-  Buffer<std::uint64_t> scratch(context, "scratch", keys.size());
-  parallel.sort(sorted, scratch, static_cast<std::uint32_t>(keys.size()), 8, 12);
-  std::vector<std::uint64_t> expected = keys;
-  std::sort(expected.begin(), expected.end());
-  CHECK(sorted.read(0, keys.size()) == expected);
+TEST_CASE("tiny: keys are scanned and sorted, by work-items and by work-groups") {
+  const DeviceInfo device = choose_device("");
+  for (const std::uint32_t groups : {0U, 3U}) {
+    DeviceProfile profile = profile_for(device);
+    profile.sort_groups = groups;
+    profile.local_size = 4;  // tiles of 32 keys
+    Context context(device, profile);
+    Parallel parallel(context);
+    INFO(groups << " work-groups");
+    std::mt19937 random(1);
+    std::vector<std::uint64_t> keys(137);
+    for (std::size_t i = 0; i < keys.size(); i++) keys[i] = std::uint64_t{random() % 4096U} << 8U | i;
+    Buffer<std::uint64_t> sorted(context, "keys", std::span<const std::uint64_t>(keys));
+    Buffer<std::uint64_t> scratch(context, "scratch", keys.size());
+    parallel.sort(sorted, scratch, static_cast<std::uint32_t>(keys.size()), 8, 12);
+    std::vector<std::uint64_t> expected = keys;
+    std::sort(expected.begin(), expected.end());
+    CHECK(sorted.read(0, keys.size()) == expected);
 
-  const std::vector<std::uint32_t> counts = {3, 0, 7, 1, 0};
-  Buffer<std::uint32_t> sums(context, "sums", std::span<const std::uint32_t>(counts));
-  parallel.exclusive_scan(sums, 4);
-  CHECK(sums.read() == std::vector<std::uint32_t>{0, 3, 3, 10, 11});
+    const std::vector<std::uint32_t> counts = {3, 0, 7, 1, 0, 2, 0};
+    Buffer<std::uint32_t> sums(context, "sums", std::span<const std::uint32_t>(counts));
+    parallel.exclusive_scan(sums, 6);
+    CHECK(sums.read() == std::vector<std::uint32_t>{0, 3, 3, 10, 11, 11, 13});
+  }
 }
 
 TEST_CASE("tiny: trees of one, two and a few primitives answer rays") {
@@ -138,6 +171,46 @@ TEST_CASE("tiny: the fast triangle test, two wide") {
   options.triangle_test = TriangleTest::fast;
   options.width = options.leaf_lanes = options.max_leaf = 2;
   check_tree(small_soup(), options);
+}
+
+TEST_CASE("tiny: packets of rays, whole and broken") {
+  for (const TriangleTest triangle_test : {TriangleTest::watertight, TriangleTest::fast}) {
+    AccelOptions options;
+    options.triangle_test = triangle_test;
+    options.width = options.leaf_lanes = options.max_leaf = 2;
+    options.explicit_vectors = 1;
+    test::Places places(3);
+    Rays rays;
+    for (std::uint32_t i = 0; i < 20; i++) {  // 16 go together, then one of four starts elsewhere
+      const Vec3 from(2.5F, 0.3F, i == 17 ? 0.5F : 0.1F), to = places.in_cube(0.6F) - from;
+      rays.push_back({{from.x, from.y, from.z, 0.0F}, {to.x, to.y, to.z, std::numeric_limits<float>::infinity()}});
+    }
+    check_grouping(smaller_soup(), options, RayGrouping::packets, rays);
+  }
+}
+
+TEST_CASE("tiny: sorted rays") {
+  AccelOptions options;
+  options.width = options.leaf_lanes = options.max_leaf = 2;
+  check_grouping(smaller_soup(), options, RayGrouping::sorted, rays_through(4));
+}
+
+TEST_CASE("tiny: an octree") {
+  AccelOptions options;
+  options.kind = AccelKind::octree;
+  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
+}
+
+TEST_CASE("tiny: a kd-tree") {
+  AccelOptions options;
+  options.kind = AccelKind::kdtree;
+  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
+}
+
+TEST_CASE("tiny: a median kd-tree") {
+  AccelOptions options;
+  options.kind = AccelKind::kdtree_median;
+  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
 }
 
 TEST_CASE("tiny: both engines render a room") {
