@@ -10,6 +10,7 @@ namespace hemiray::bench {
 namespace {
 
 constexpr std::uint32_t kRaysFromOnePoint = 64;
+constexpr std::array<std::uint32_t, 3> kPatchCells = {4, 16, 64};
 
 // The vertices of a cube's lattice, made as they are first asked for.
 class Lattice {
@@ -36,6 +37,26 @@ class Lattice {
   Vec3 offset_;
   std::unordered_map<std::uint64_t, std::uint32_t> indices_;
 };
+
+// Neighbouring cells of one of the cube's six faces.
+struct Patch {
+  std::uint32_t face = 0, i = 0, j = 0, side = 1;
+};
+
+Patch random_patch(std::uint32_t cells, Dice& dice) {
+  Patch patch;
+  patch.face = dice.below(6);
+  patch.side = std::min(cells, kPatchCells[dice.below(kPatchCells.size())]);
+  patch.i = dice.below(cells - patch.side + 1);
+  patch.j = dice.below(cells - patch.side + 1);
+  return patch;
+}
+
+// By the order in which closed_mesh() makes them: face by face, row by row, two a cell.
+std::uint32_t random_triangle(const Patch& patch, std::uint32_t cells, Dice& dice) {
+  const std::uint32_t i = patch.i + dice.below(patch.side), j = patch.j + dice.below(patch.side);
+  return ((patch.face * cells + i) * cells + j) * 2 + dice.below(2);
+}
 
 }  // namespace
 
@@ -72,7 +93,7 @@ std::vector<LeakMesh> leak_meshes(std::uint32_t cells) {
   for (const bool round : {true, false}) {
     for (const float moved : {0.0F, 100.0F}) {
       const std::string name = std::string(round ? "sphere" : "box") + (moved > 0 ? " moved by 100" : "");
-      meshes.push_back({name, closed_mesh(cells, round, Vec3(moved)), Vec3(moved)});
+      meshes.push_back({name, closed_mesh(cells, round, Vec3(moved)), Vec3(moved), cells});
     }
   }
   return meshes;
@@ -81,15 +102,16 @@ std::vector<LeakMesh> leak_meshes(std::uint32_t cells) {
 std::vector<shared::QueryRay> leak_rays(const LeakMesh& mesh, LeakTarget target, std::uint32_t count,
                                         std::uint32_t seed) {
   Dice dice(seed);
-  const auto triangles = static_cast<std::uint32_t>(mesh.flat.triangles.size());
   std::vector<shared::QueryRay> rays(count);
   Vec3 origin = mesh.center;
+  Patch patch;
   for (std::uint32_t i = 0; i < count; i++) {
     if (i % kRaysFromOnePoint == 0) {
       const float x = dice.in(-0.4F, 0.4F), y = dice.in(-0.4F, 0.4F), z = dice.in(-0.4F, 0.4F);
       origin = mesh.center + Vec3(x, y, z);
+      patch = random_patch(mesh.cells, dice);
     }
-    const shared::uint4 t = mesh.flat.triangles[dice.below(triangles)];
+    const shared::uint4 t = mesh.flat.triangles[random_triangle(patch, mesh.cells, dice)];
     const std::array<std::uint32_t, 4> corners{t.x, t.y, t.z, t.x};
     const std::uint32_t edge = dice.below(3);
     const DVec3 a = vertex_of(mesh.flat, corners[edge]), b = vertex_of(mesh.flat, corners[edge + 1]);

@@ -24,6 +24,7 @@ struct LeakMesh {
   std::string name;
   FlatScene flat;
   Vec3 center{0.0F};
+  std::uint32_t cells = 1;  ///< of its closed_mesh()
 };
 
 inline constexpr std::uint32_t kLeakCells = 144;       ///< 248,832 triangles
@@ -33,7 +34,8 @@ inline constexpr std::uint32_t kLeakRays = 1U << 20U;  ///< a mesh and target
 std::vector<LeakMesh> leak_meshes(std::uint32_t cells = kLeakCells);
 
 /// `count` rays from near the centre (within 0.4 on each axis) at random vertices, or at random points of random edges;
-/// their interval is open to infinity. 64 consecutive rays start at one point, as packets want it.
+/// their interval is open to infinity. As packets want it, 64 consecutive rays start at one point and are aimed at one
+/// patch of a face, of up to 4, 16 or 64 cells on a side.
 std::vector<shared::QueryRay> leak_rays(const LeakMesh& mesh, LeakTarget target, std::uint32_t count,
                                         std::uint32_t seed);
 

@@ -83,6 +83,30 @@ TEST_CASE("leak rays start inside, 64 from a point, and aim at vertices or edges
   }
 }
 
+TEST_CASE("nearly all leak rays go in cones that packets can trace together") {
+  for (const bench::LeakMesh& mesh : bench::leak_meshes(144)) {
+    const std::vector<shared::QueryRay> rays = bench::leak_rays(mesh, bench::LeakTarget::vertices, 64 * 500, 9);
+    std::size_t cones = 0;
+    for (std::size_t first = 0; first < rays.size(); first += 64) {
+      Vec3 least(1e30F), most(-1e30F);
+      for (std::size_t i = first; i < first + 64; i++) {
+        least = glm::min(least, direction_of(rays[i]));
+        most = glm::max(most, direction_of(rays[i]));
+      }
+      // As kernels/bvh/packet_query.cl wants it: along one axis all go the same way, and none much more sideways.
+      for (int axis = 0; axis < 3; axis++) {
+        const float reach = std::max({least[axis], -most[axis], 0.0F});
+        const Vec3 across = glm::max(glm::abs(least), glm::abs(most));
+        if (std::max(across[(axis + 1) % 3], across[(axis + 2) % 3]) > 2 * reach) continue;
+        cones++;
+        break;
+      }
+    }
+    INFO(mesh.name << ": " << cones << " of 500");
+    CHECK(cones > 400);
+  }
+}
+
 TEST_CASE("leaks are rays that hit nothing, counted for each mesh, target and tracer") {
   bench::Tracers tracers;
   tracers.push_back(std::make_unique<test::FakeTracer>("tight", "single"));
