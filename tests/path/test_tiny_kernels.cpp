@@ -62,7 +62,7 @@ struct TinyTree {
   }
   Context context{choose_device(""), profile()};
   Parallel parallel{context};
-  AccelBuilder builder{context, parallel, true};  // Oclgrind mistakes memory taken again after a release
+  AccelBuilder builder{context, parallel};
   DeviceScene scene;
   std::optional<Accel> accel;
 };
