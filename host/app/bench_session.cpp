@@ -80,6 +80,7 @@ bench::SceneResults measure(Context& context, const BenchPlan& plan, const Conte
   results.triangles = scene.flat.triangles.size();
   const bench::Tracers tracers = make_tracers(context, options, results.triangles);
   turns.start_part((static_cast<std::size_t>(plan.rounds) + 1) * tracers.size() * 5);
+  for (const auto& tracer : tracers) tracer->offer_instances(scene.instanced ? &*scene.instanced : nullptr);
   results.builds = bench::run_builds(tracers, scene.flat, plan.rounds, turns.tick());
   bench::Tracer& guide = *tracers.front();
   const auto closest_hits = [&guide](std::span<const shared::QueryRay> rays) {

@@ -29,7 +29,7 @@ Exit code: 0 the scene is valid, 2 it is not (one line on stderr says where and 
 
 // Without a device: for the profile of a CPU, whose waves are the smaller ones.
 std::uint64_t predict(const Scene& scene) {
-  const FlatScene flat = flatten_scene(scene);
+  const FlatScene flat = flatten_scene(scene, Instancing::automatic);
   return predict_render_bytes(flat, features_of(scene, flat, scene.depth), EngineKind::wavefront, scene.camera.width,
                               scene.camera.height, scene.depth, DeviceProfile{});
 }

@@ -75,8 +75,10 @@ std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
   const auto line = [&text](const std::string& name, const std::string& value) {
     text += fmt::format("{:<10}{}\n", name, value);
   };
-  line("scene", fmt::format("{}: {} primitives, {} planes, {} lights, {} emitters", f.scene,
-                            format_count(s.accel.primitives), s.planes, s.lights, format_count(s.emitters)));
+  const std::string instances =
+      s.accel.instances > 0 ? fmt::format(", {} instances", format_count(s.accel.instances)) : "";
+  line("scene", fmt::format("{}: {} primitives{}, {} planes, {} lights, {} emitters", f.scene,
+                            format_count(s.accel.primitives), instances, s.planes, s.lights, format_count(s.emitters)));
   line("effects", fmt::format("{}", fmt::join(feature_names(s.features), " ")));
   if (s.devices.size() == 1) {
     line("device", fmt::format("{} ({}), peak memory {}", f.device, f.platform, format_bytes(s.peak_device_bytes)));
@@ -126,6 +128,7 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
                               {"scene",
                                {{"file", f.scene},
                                 {"primitives", s.accel.primitives},
+                                {"instances", s.accel.instances},
                                 {"dropped_non_finite", s.accel.non_finite},
                                 {"dropped_degenerate", s.accel.degenerate},
                                 {"planes", s.planes},

@@ -13,7 +13,8 @@ namespace {
 // The triangles on the device and the tree over them.
 struct DeviceBuild {
   DeviceBuild(DeviceWorkshop& workshop, const FlatScene& flat, const AccelOptions& options)
-      : scene(*workshop.context, flat, HR_FEATURE_TRIANGLES), accel(workshop.builder, scene, options) {}
+      : scene(*workshop.context, flat, HR_FEATURE_TRIANGLES | (flat.instances.empty() ? 0U : HR_FEATURE_INSTANCES)),
+        accel(workshop.builder, scene, options) {}
   DeviceScene scene;
   Accel accel;
 };
@@ -46,6 +47,7 @@ class DeviceTracer final : public Tracer {
   }
   bool in_packets() const override { return settings_.mode == TraceMode::packet; }
 
+  void offer_instances(const FlatScene* instanced) override { instanced_ = instanced; }
   double build(const FlatScene& flat) override {
     queries_.reset();  // before the new one takes its memory
     build_.reset();
@@ -54,7 +56,7 @@ class DeviceTracer final : public Tracer {
     AccelOptions options;
     options.builder = settings_.tree;
     options.triangle_test = settings_.triangles;
-    build_ = std::make_shared<DeviceBuild>(*workshop_, flat, options);
+    build_ = std::make_shared<DeviceBuild>(*workshop_, instanced_ != nullptr ? *instanced_ : flat, options);
     context().finish();
     stages_ = difference(before, context().profiler().stages());
     return build_->accel.statistics().build_ms;
@@ -72,7 +74,7 @@ class DeviceTracer final : public Tracer {
   }
   std::vector<StageTime> build_stages() const override { return stages_; }
   std::optional<TreeFacts> facts() const override {
-    if (!build_) return std::nullopt;
+    if (!build_ || build_->scene.instance_count() > 0) return std::nullopt;  // facts are of a single tree
     const Accel& accel = build_->accel;
     const AccelStatistics& made = accel.statistics();
     const std::vector<float> nodes = accel.nodes().read(0, made.nodes * accel.config().node_words());
@@ -114,6 +116,7 @@ class DeviceTracer final : public Tracer {
 
   std::shared_ptr<DeviceWorkshop> workshop_;
   DeviceTracerSettings settings_;
+  const FlatScene* instanced_ = nullptr;
   std::shared_ptr<DeviceBuild> build_;
   std::unique_ptr<RayQueries> queries_;
   std::vector<StageTime> stages_;

@@ -136,9 +136,13 @@ BenchScene procedural_scene(std::string_view name, std::uint32_t triangles) {
     scene.view = interior_view();
     return scene;
   }
-  scene.flat = name == "terrain" ? terrain_scene(triangles)
-               : name == "hair"  ? hair_scene(triangles)
-                                 : flatten_scene(instanced_scene(triangles));
+  if (name == "instances") {
+    const Scene copies = instanced_scene(triangles);
+    scene.flat = flatten_scene(copies);
+    scene.instanced = flatten_scene(copies, Instancing::always);
+  } else {
+    scene.flat = name == "terrain" ? terrain_scene(triangles) : hair_scene(triangles);
+  }
   scene.view = framing_view(scene.flat);
   return scene;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,6 +18,8 @@ struct BenchScene {
   std::string name;
   FlatScene flat;
   View view;
+  std::optional<FlatScene> instanced =
+      std::nullopt;  ///< the same with a mesh shared by instances, primitives numbered alike
 };
 
 inline constexpr std::uint32_t kLeastTriangles = 10'000;
@@ -31,7 +34,7 @@ std::span<const std::string_view> procedural_scene_names();
 ///   of small boxes of very uneven size. Seen from a corner.
 /// - terrain: hills of several octaves, 100 x 100 m, triangles of about equal size.
 /// - hair: ribbons of 16 triangles, 25 cm long and half a millimetre wide, on a ball of 20 cm.
-/// - instances: instanced_scene(), flattened.
+/// - instances: instanced_scene(), as copies and as instances.
 /// Throws InputError for another name, or a count outside kLeastTriangles to kMostTriangles.
 BenchScene procedural_scene(std::string_view name, std::uint32_t triangles);
 

@@ -32,6 +32,9 @@ class Tracer {
   /// Whether it asks rays with a common origin (RaySet::common_origin) in packets.
   [[nodiscard]] virtual bool in_packets() const = 0;
 
+  /// The scene of the builds to come with meshes shared by instances instead of copied, or null: a tracer that can hold
+  /// instances builds over it instead, and numbers primitives as in the copied one. It must outlive these builds.
+  virtual void offer_instances(const FlatScene* /*instanced*/) {}
   /// Replaces the tree; the scene need not outlive the call. Returns the time from triangles to traversable [ms],
   /// without compilation and without copying the triangles to the tracer.
   virtual double build(const FlatScene& flat) = 0;

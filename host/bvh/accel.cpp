@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "host/base/error.hpp"
+#include "shared/features.h"
+
 namespace hemiray {
 namespace {
 
@@ -57,6 +60,7 @@ std::vector<const Program*> AccelBuilder::programs() const {
   std::vector<const Program*> all = {&program_};
   for (const auto& [defines, program] : layout_programs_) all.push_back(&program);
   for (const auto& [defines, program] : cell_programs_) all.push_back(&program);
+  for (const auto& [defines, program] : instance_programs_) all.push_back(&program);
   return all;
 }
 
@@ -81,17 +85,32 @@ Accel::Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions
   options_ = options;
   const double start = now_ms();
   const double compile_start = context.launch_compile_ms();
-  bound_primitives(scene);
+  input_ = scene.world();
   if (options.kind != AccelKind::bvh) {
+    if (scene.instance_count() > 0) throw InputError("--accel", "a tree of cells cannot hold instances; take bvh");
+    bound_primitives(scene);
     build_cells(scene, options);
-  } else if (statistics_.primitives == 0) {
-    make_empty();
+  } else if ((scene.features() & HR_FEATURE_INSTANCES) != 0) {
+    build_with_instances(scene, options);
   } else {
-    sort_primitives(scene, options);
-    cluster(options);
-    collapse(scene, options);
+    build_tree(scene, options, input_);
   }
   statistics_.build_ms = now_ms() - start - (context.launch_compile_ms() - compile_start);
+}
+
+void Accel::build_tree(const DeviceScene& scene, const AccelOptions& options, const TreeInput& input) {
+  input_ = input;
+  statistics_ = {};
+  config_.stack = AccelConfig{}.stack;
+  if (of_instances_) {
+    bound_instances(scene);
+  } else {
+    bound_primitives(scene);
+  }
+  if (statistics_.primitives == 0) return make_empty();
+  sort_primitives(options);
+  cluster(options);
+  collapse(scene, options);
 }
 
 void Accel::bound_primitives(const DeviceScene& scene) {
@@ -99,10 +118,14 @@ void Accel::bound_primitives(const DeviceScene& scene) {
   AccelBuilder::Scratch& scratch = builder_->scratch_;
   const std::uint32_t chunks = context.profile().chunks;
   const Buffer<shared::BoundsPartial> partials(context, "bounds", chunks);
-  builder_->ensure(scratch.boxes, "boxes", scene.primitive_count());
+  builder_->ensure(scratch.boxes, "boxes", input_.primitive_count);
   launch(context, builder_->program_.kernel("bvh_bound_primitives"), chunks,
-         arguments(scene.geometry_arguments(), arg("primitive_count", scene.primitive_count()),
+         arguments(scene.geometry_arguments(input_), arg("primitive_count", input_.primitive_count),
                    arg("boxes", scratch.boxes), arg("partials", partials)));
+  take_bounds(partials);
+}
+
+void Accel::take_bounds(const Buffer<shared::BoundsPartial>& partials) {
   statistics_.lo = centroid_lo_ = {kInf, kInf, kInf, 0.0F};
   statistics_.hi = centroid_hi_ = {-kInf, -kInf, -kInf, 0.0F};
   for (const shared::BoundsPartial& part : partials.read()) {
@@ -114,10 +137,10 @@ void Accel::bound_primitives(const DeviceScene& scene) {
   }
 }
 
-void Accel::sort_primitives(const DeviceScene& scene, const AccelOptions& options) {
+void Accel::sort_primitives(const AccelOptions& options) {
   Context& context = *builder_->context_;
   AccelBuilder::Scratch& scratch = builder_->scratch_;
-  const std::uint32_t count = scene.primitive_count();
+  const std::uint32_t count = input_.primitive_count;
   index_bits_ = static_cast<unsigned>(std::bit_width(std::max(count, 2U) - 1));
   const unsigned room = 63 - index_bits_;  // one bit more sorts dropped primitives behind all others
   statistics_.morton_bits = std::min(options.morton_bits != 0 ? options.morton_bits : kMortonBits, room) / 3 * 3;
@@ -181,7 +204,7 @@ void Accel::cluster(const AccelOptions& options) {
 void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
   Context& context = *builder_->context_;
   AccelBuilder::Scratch& scratch = builder_->scratch_;
-  Program& program = builder_->layout_program(config_);  // the stack is not known yet: the default
+  Program& program = builder_->layout_program(layout_config());  // the stack is not known yet
   const std::uint32_t count = statistics_.primitives;
   const std::uint32_t target = std::clamp(count / kSmallChunk, 2U, context.profile().collapse_regions);
   const std::uint32_t most_regions = target + config_.width + 1;
@@ -201,7 +224,8 @@ void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
                    arg("hi", statistics_.hi), arg("target", target), arg("min_primitives", kSmallChunk)));
   launch(context, program.kernel("bvh_collapse_regions"), most_regions, common);
   launch(context, program.kernel("bvh_place_regions"), 1,
-         arguments(arg("regions", regions_), arg("totals", scratch.totals)));
+         arguments(arg("regions", regions_), arg("totals", scratch.totals), arg("first_node", first_node_),
+                   arg("first_block", first_block_)));
   const std::vector<std::uint32_t> totals = scratch.totals.read(0, 4);
   builder_->release(scratch.binary);
   region_count_ = totals[0];
@@ -211,13 +235,20 @@ void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
   statistics_.stack_depth = totals[3];
   config_.stack = stack_size_for(totals[3]);
   nodes_ = Buffer<float>(context, "accel_nodes", statistics_.nodes * config_.node_words());
+  if (of_instances_) statistics_.blocks = 0;
   blocks_ = Buffer<float>(context, "accel_blocks", statistics_.blocks * config_.block_words());
   const Arguments regions = arguments(arg("regions", regions_), arg("region_count", region_count_));
   launch(context, program.kernel("bvh_emit_nodes"), region_count_,
-         arguments(regions, arg("draft_nodes", scratch.draft), arg("accel_nodes", nodes_)));
-  launch(context, program.kernel("bvh_emit_blocks"), region_count_,
-         arguments(regions, scene.geometry_arguments(), arg("leaf_order", leaf_order),
-                   arg("descriptors", scratch.descriptors), arg("accel_blocks", blocks_)));
+         arguments(regions, arg("draft_nodes", scratch.draft), arg("accel_nodes", nodes_),
+                   arg("first_node", first_node_)));
+  if (of_instances_) {
+    link_instances(leaf_order);
+  } else {
+    launch(context, program.kernel("bvh_emit_blocks"), region_count_,
+           arguments(regions, scene.geometry_arguments(input_), arg("leaf_order", leaf_order),
+                     arg("descriptors", scratch.descriptors), arg("accel_blocks", blocks_),
+                     arg("first_block", first_block_)));
+  }
   context.finish();
   builder_->release(scratch.draft);
   builder_->release(scratch.descriptors);
@@ -248,22 +279,36 @@ void Accel::refit(const DeviceScene& scene) {
     bound_primitives(scene);
     return build_cells(scene, options_);
   }
+  if (!trees_.empty()) return refit_with_instances(scene);
   if (statistics_.primitives == 0) return;
+  refit_tree(scene, input_, regions_, region_count_);
+}
+
+void Accel::refit_tree(const DeviceScene& scene, const TreeInput& input, const Buffer<shared::CollapseRegion>& regions,
+                       std::uint32_t region_count) {
   Context& context = *builder_->context_;
-  AccelConfig built = config_;
-  built.stack = AccelConfig{}.stack;
-  Kernel& kernel = builder_->layout_program(built).kernel("bvh_refit_regions");
+  Kernel& kernel = builder_->layout_program(layout_config()).kernel("bvh_refit_regions");
   const auto run = [&](std::uint32_t first, std::uint32_t count) {
     launch(context, kernel, count,
-           arguments(scene.geometry_arguments(), arg("regions", regions_), arg("first_region", first),
+           arguments(scene.geometry_arguments(input), arg("regions", regions), arg("first_region", first),
                      arg("region_count", first + count), arg("accel_nodes", nodes_), arg("accel_blocks", blocks_)));
   };
-  if (region_count_ > 1) run(1, region_count_ - 1);
+  if (region_count > 1) run(1, region_count - 1);
   run(0, 1);
   context.finish();
 }
 
-Arguments Accel::tree_arguments() const { return arguments(arg("accel_nodes", nodes_), arg("accel_blocks", blocks_)); }
+AccelConfig Accel::layout_config() const {
+  AccelConfig config = config_;
+  config.stack = AccelConfig{}.stack;
+  return config;
+}
+
+Arguments Accel::tree_arguments() const {
+  Arguments all = arguments(arg("accel_nodes", nodes_), arg("accel_blocks", blocks_));
+  if (!trees_.empty()) all.push_back(arg("tree_roots", tree_roots_));
+  return all;
+}
 
 ProgramOptions Accel::program_options(std::uint32_t features, bool strict) const {
   return {features, strict, config_.defines()};

@@ -20,11 +20,12 @@ namespace hemiray {
 
 /// What the build found and made.
 struct AccelStatistics {
-  std::uint32_t primitives = 0;  ///< in the tree
+  std::uint32_t primitives = 0;  ///< in the trees, those of a shared mesh once
+  std::uint32_t instances = 0;   ///< placed in the tree over them
   std::uint32_t non_finite = 0;  ///< dropped: NaN or infinite
   std::uint32_t degenerate = 0;  ///< dropped: no area or radius
   unsigned morton_bits = 0;
-  std::uint32_t nodes = 0;        ///< of `width` children
+  std::uint32_t nodes = 0;        ///< of `width` children, all trees together
   std::uint32_t blocks = 0;       ///< of the leaves
   std::uint32_t stack_depth = 0;  ///< most entries a traversal's stack can hold
   std::uint32_t references = 0;   ///< of primitives in leaves: more than primitives in trees of cells
@@ -69,22 +70,25 @@ class AccelBuilder {
     if (!keep_scratch_) buffer = Buffer<T>();
   }
   Program& layout_program(const AccelConfig& config);
-  Program& cell_program(const AccelConfig& config);  // host/bvh/cell_trees.cpp
+  Program& cell_program(const AccelConfig& config);      // host/bvh/cell_trees.cpp
+  Program& instance_program(const AccelConfig& config);  // host/bvh/accel_instances.cpp
 
   Context* context_;
   Parallel* parallel_;
   bool keep_scratch_;
   Program program_;
   std::map<std::string, Program> layout_programs_;  ///< by the configuration's defines
-  std::map<std::string, Program> cell_programs_;
+  std::map<std::string, Program> cell_programs_, instance_programs_;
   Scratch scratch_;
 };
 
-/// A BVH, or a tree of cells, over a scene's triangles and spheres, wholly built on the device. The DeviceScene and the
-/// builder must outlive it. The same scene and options give the same bytes.
+/// A BVH, or a tree of cells, over a scene's triangles and spheres, wholly built on the device. Where the scene has
+/// instances, each mesh they share has a tree of its own behind the world's, and the last tree is over the instances.
+/// The DeviceScene and the builder must outlive it. The same scene and options give the same bytes.
 class Accel {
  public:
-  /// Bounds, Morton codes, radix sort, binary tree, collapse, leaf blocks. Throws DeviceError, InputError.
+  /// Bounds, Morton codes, radix sort, binary tree, collapse, leaf blocks. Throws DeviceError; InputError for options
+  /// that cannot be had together, or a tree of cells over instances.
   Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions& options = {});
 
   /// New boxes and leaf geometry after the scene's vertices moved; the tree's shape stays, so a query answers as after
@@ -94,7 +98,7 @@ class Accel {
 
   [[nodiscard]] const AccelStatistics& statistics() const { return statistics_; }
   [[nodiscard]] const AccelConfig& config() const { return config_; }
-  /// accel_nodes and accel_blocks, for kernels that trace.
+  /// accel_nodes and accel_blocks, and tree_roots for a scene with instances, for kernels that trace.
   [[nodiscard]] Arguments tree_arguments() const;
   /// Options for a program whose kernels trace through this tree.
   [[nodiscard]] ProgramOptions program_options(std::uint32_t features, bool strict) const;
@@ -102,12 +106,38 @@ class Accel {
   [[nodiscard]] const Buffer<float>& blocks() const { return blocks_; }
 
  private:
+  // A tree whose nodes and blocks wait to be joined with the others'; then only what a refit needs.
+  struct Tree {
+    TreeInput input;
+    Buffer<shared::CollapseRegion> regions;
+    std::uint32_t region_count = 0;  // 0: nothing is in it
+    std::uint32_t first_node = 0;    // the root
+    AccelStatistics statistics;
+    Buffer<float> nodes, blocks;
+  };
+
+  /// What programs that lay out the tree are compiled for: no stack.
+  [[nodiscard]] AccelConfig layout_config() const;
+  void build_tree(const DeviceScene& scene, const AccelOptions& options, const TreeInput& input);
   void bound_primitives(const DeviceScene& scene);
-  void sort_primitives(const DeviceScene& scene, const AccelOptions& options);
+  void take_bounds(const Buffer<shared::BoundsPartial>& partials);
+  void sort_primitives(const AccelOptions& options);
   void cluster(const AccelOptions& options);
   void collapse(const DeviceScene& scene, const AccelOptions& options);
   void make_empty();
+  void refit_tree(const DeviceScene& scene, const TreeInput& input, const Buffer<shared::CollapseRegion>& regions,
+                  std::uint32_t region_count);
   void build_cells(const DeviceScene& scene, const AccelOptions& options);  // host/bvh/cell_trees.cpp
+
+  // host/bvh/accel_instances.cpp
+  void build_with_instances(const DeviceScene& scene, const AccelOptions& options);
+  void build_instance_tree(const DeviceScene& scene, const AccelOptions& options);
+  void bound_instances(const DeviceScene& scene);
+  void bound_mesh(const Buffer<float>& nodes, std::uint32_t root, std::uint32_t mesh);
+  void link_instances(const Buffer<std::uint32_t>& leaf_order);
+  void keep_tree();
+  void join_trees();
+  void refit_with_instances(const DeviceScene& scene);
 
   AccelBuilder* builder_;
   AccelStatistics statistics_;
@@ -119,6 +149,13 @@ class Accel {
   Buffer<shared::CollapseRegion> regions_;
   Buffer<float> nodes_;
   Buffer<float> blocks_;
+
+  TreeInput input_;                                 // of the tree being built
+  bool of_instances_ = false;                       // it is the tree over instances
+  std::uint32_t first_node_ = 0, first_block_ = 0;  // its place behind those built before
+  std::vector<Tree> trees_;                         // with instances: the world's, the shared meshes', the instances'
+  Buffer<shared::Box> mesh_boxes_;                  // of the shared meshes, in object space
+  Buffer<std::int32_t> tree_roots_;                 // of the last of these trees, then of the shared meshes'
 };
 
 }  // namespace hemiray

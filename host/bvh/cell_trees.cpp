@@ -286,7 +286,7 @@ void Accel::build_cells(const DeviceScene& scene, const AccelOptions& options) {
   } else {
     AccelOptions finer = options;
     finer.morton_bits = std::min(options.morton_bits != 0 ? options.morton_bits : kCellMortonBits, kCellMortonBits);
-    sort_primitives(scene, finer);
+    sort_primitives(finer);
     const CellTreeInput input = {scene,           scratch.boxes,
                                  scratch.keys,    statistics_.primitives,
                                  index_bits_,     statistics_.morton_bits / 3,

@@ -8,7 +8,11 @@
 namespace hemiray {
 namespace {
 
-ProgramOptions nearest_options(const Accel& accel) {
+ProgramOptions nearest_options(const DeviceScene& scene, const Accel& accel) {
+  if (scene.instance_count() > 0) {
+    throw InputError("nearest-neighbour search",
+                     "needs every object in the world; flatten the scene without instances");
+  }
   if (accel.config().kind != AccelKind::bvh) {
     throw InputError("nearest-neighbour search", "needs a tree of boxes; build it with kind bvh");
   }
@@ -32,7 +36,7 @@ NearestQueries::NearestQueries(Context& context, const DeviceScene& scene, const
     : context_(&context),
       scene_(&scene),
       accel_(&accel),
-      program_(context, "nearest", {"bvh/nearest.cl"}, nearest_options(accel)) {}
+      program_(context, "nearest", {"bvh/nearest.cl"}, nearest_options(scene, accel)) {}
 
 void NearestQueries::closest(const Buffer<QueryPoint>& queries, const Buffer<shared::float4>& nearest,
                              const Buffer<std::uint32_t>& primitives, std::uint32_t count) {
@@ -54,7 +58,7 @@ ClosestPoints NearestQueries::closest(std::span<const QueryPoint> queries) {
 PointTree::PointTree(Context& context, AccelBuilder& builder, std::span<const Vec3> points, const AccelOptions& options)
     : context_(&context), scene_(context, as_spheres(points), HR_FEATURE_SPHERES) {
   accel_.emplace(builder, scene_, options);
-  program_.emplace(context, "nearest", std::vector<std::string>{"bvh/nearest.cl"}, nearest_options(*accel_));
+  program_.emplace(context, "nearest", std::vector<std::string>{"bvh/nearest.cl"}, nearest_options(scene_, *accel_));
 }
 
 Neighbours PointTree::nearest(std::span<const QueryPoint> queries, unsigned k) {

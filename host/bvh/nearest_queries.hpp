@@ -25,7 +25,7 @@ struct ClosestPoints {
 /// are discarded by their distance. The scene and its tree must outlive it.
 class NearestQueries {
  public:
-  /// Throws InputError if the tree is not a BVH.
+  /// Throws InputError if the tree is not a BVH, or the scene has instances.
   NearestQueries(Context& context, const DeviceScene& scene, const Accel& accel);
 
   /// The closest point to each query that is not farther than its w. Of equal distances the smaller primitive.

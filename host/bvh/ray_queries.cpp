@@ -56,6 +56,7 @@ void RayQueries::ask(const std::string& kernel, const char* result_name, const B
   params.triangle_count = scene_->triangle_count();
   params.sphere_count = scene_->sphere_count();
   params.plane_count = scene_->plane_count();
+  params.instance_count = scene_->instance_count();
   const bool packets = grouping_ == RayGrouping::packets;
   const DeviceProfile& profile = context_->profile();
   const std::uint32_t per_item = packets ? kGroupRays * profile.packet_groups : profile.rays_per_item;

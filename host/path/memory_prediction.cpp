@@ -23,7 +23,8 @@ std::uint64_t scene_bytes(const FlatScene& flat, std::uint32_t features) {
          if_on(HR_FEATURE_TRIANGLES, bytes_of(flat.triangle_objects)) +
          if_on(HR_FEATURE_SMOOTH_NORMALS, bytes_of(flat.normals)) +
          if_on(HR_FEATURE_VERTEX_COLORS, bytes_of(flat.colors)) + if_on(HR_FEATURE_PLANES, bytes_of(flat.planes)) +
-         if_on(HR_FEATURE_LIGHTS, bytes_of(flat.lights)) + if_on(HR_FEATURE_EMITTERS, bytes_of(flat.emitters)) +
+         if_on(HR_FEATURE_INSTANCES, bytes_of(flat.instances)) + if_on(HR_FEATURE_LIGHTS, bytes_of(flat.lights)) +
+         if_on(HR_FEATURE_EMITTERS, bytes_of(flat.emitters)) +
          if_on(HR_FEATURE_TEXTURES, bytes_of(flat.uvs) + bytes_of(flat.textures) + bytes_of(flat.texels) + kSrgbTable);
 }
 
@@ -58,10 +59,9 @@ std::uint64_t pixel_bytes(std::uint32_t features) {
 
 std::uint64_t predict_render_bytes(const FlatScene& flat, std::uint32_t features, EngineKind engine, int width,
                                    int height, int depth, const DeviceProfile& profile) {
-  const std::uint64_t primitives = std::max<std::uint64_t>(flat.triangles.size() + flat.spheres.size(), 1);
   const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   const std::uint64_t slots = std::min<std::uint64_t>(pixels, profile.wave_slots);
-  const AccelMemory accel = predict_accel_bytes(primitives, AccelOptions{}, profile);
+  const AccelMemory accel = predict_accel_bytes(flat, AccelOptions{}, profile);
   const std::uint64_t trace = accel.tree + pixels * pixel_bytes(features) + slots * slot_bytes(features, engine, depth);
   return scene_bytes(flat, features) + std::max(accel.peak, trace);
 }

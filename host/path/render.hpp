@@ -13,6 +13,7 @@
 #include "host/gpu/context.hpp"
 #include "host/path/engine.hpp"
 #include "host/path/tile_queue.hpp"
+#include "host/scene/instancing.hpp"
 #include "host/scene/scene.hpp"
 
 namespace hemiray {
@@ -26,7 +27,8 @@ struct RenderOptions {
   std::uint32_t seed = 0;
   bool strict = false;  ///< same bits from both engines
   AccelOptions accel;
-  std::optional<RayGrouping> rays;  ///< how the wavefront traces them; none: what pays (wave_tracing.hpp)
+  std::optional<RayGrouping> rays;                ///< how the wavefront traces them; none: what pays (wave_tracing.hpp)
+  Instancing instancing = Instancing::automatic;  ///< in trees of cells there are no instances
 
   std::function<void(double fraction, double rays_per_second)> on_progress;  ///< after each wave
   std::function<void()> on_first_pass;  ///< when the first sample of every pixel is done

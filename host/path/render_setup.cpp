@@ -48,7 +48,7 @@ RenderSetup::RenderSetup(const Scene& scene_given, const RenderOptions& options_
   check_range("--depth", depth, 0, kMaxDepth);
   pixels = static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(height);
   const double start = steady_ms();
-  flat = flatten_scene(scene);
+  flat = flatten_scene(scene, options.accel.kind == AccelKind::bvh ? options.instancing : Instancing::never);
   features = features_of(scene, flat, depth);
   flatten_ms = steady_ms() - start;
 }
@@ -87,6 +87,7 @@ shared::RenderParams RenderSetup::params(const DeviceScene& device_scene) const 
   params.plane_count = device_scene.plane_count();
   params.light_count = device_scene.light_count();
   params.emitter_count = device_scene.emitter_count();
+  params.instance_count = device_scene.instance_count();
   return params;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <span>
+#include <stdexcept>
 
 #include "host/scene/features.hpp"
 #include "shared/scene_buffers.def"
@@ -27,12 +28,17 @@ Buffer<T> upload_if(bool needed, Context& context, const char* name, const std::
 
 DeviceScene::DeviceScene(Context& context, const FlatScene& flat, std::uint32_t features)
     : features_(features),
-      triangle_count_(static_cast<std::uint32_t>(flat.triangles.size())),
+      triangle_count_(flat.world_triangles()),
       sphere_count_(static_cast<std::uint32_t>(flat.spheres.size())),
       plane_count_(static_cast<std::uint32_t>(flat.planes.size())),
       light_count_(static_cast<std::uint32_t>(flat.lights.size())),
-      emitter_count_(static_cast<std::uint32_t>(flat.emitters.size())) {
+      emitter_count_(static_cast<std::uint32_t>(flat.emitters.size())),
+      instance_count_(static_cast<std::uint32_t>(flat.instances.size())),
+      shared_meshes_(flat.shared_meshes) {
   const auto has = [features](std::uint32_t bit) { return (features & bit) != 0; };
+  if (!flat.instances.empty() && !has(HR_FEATURE_INSTANCES)) {
+    throw std::logic_error("a scene with instances is uploaded without the feature that shows them");
+  }
   const bool textured = has(HR_FEATURE_TEXTURES);
   positions_ = upload_if(true, context, "positions", flat.positions);
   triangles_ = upload_if(true, context, "triangles", flat.triangles);
@@ -47,6 +53,7 @@ DeviceScene::DeviceScene(Context& context, const FlatScene& flat, std::uint32_t 
   emitters_ = upload_if(has(HR_FEATURE_EMITTERS), context, "emitters", flat.emitters);
   textures_ = upload_if(textured, context, "textures", flat.textures);
   texels_ = upload_if(textured, context, "texels", flat.texels);
+  instances_ = upload_if(has(HR_FEATURE_INSTANCES), context, "instances", flat.instances);
   srgb_to_linear_ = upload_if(textured, context, "srgb_to_linear", srgb_table());
 }
 
@@ -55,9 +62,15 @@ Arguments DeviceScene::geometry_arguments() const {
                    arg("triangle_count", triangle_count_));
 }
 
+Arguments DeviceScene::geometry_arguments(const TreeInput& input) const {
+  return arguments(arg("positions", positions_), arg("triangles", triangles_), arg("spheres", spheres_),
+                   arg("triangle_count", input.triangle_count), arg("first_triangle", input.first_triangle));
+}
+
 Arguments DeviceScene::shading_arguments() const {
   Arguments all;
-  const Buffer<int> accel_nodes_, accel_blocks_;  // in the list, but the tree's owner adds them: empty here
+  const Buffer<int> accel_nodes_, accel_blocks_,
+      tree_roots_;  // in the list, but the tree's owner adds them: empty here
   const auto bind = [&](std::uint32_t feature, const char* name, const auto& buffer) {
     const bool is_tree = buffer.name().empty();
     if (has_feature(features_, feature) && !is_tree) all.push_back(arg(name, buffer));

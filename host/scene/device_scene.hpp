@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "host/gpu/buffer.hpp"
 #include "host/gpu/program.hpp"
@@ -10,8 +11,16 @@
 
 namespace hemiray {
 
+/// Triangles and spheres that one tree is built over: a run of triangles, and all spheres or none.
+struct TreeInput {
+  std::uint32_t first_triangle = 0;
+  std::uint32_t triangle_count = 0;
+  std::uint32_t primitive_count = 0;  ///< triangles and spheres
+};
+
 /// Uploads a FlatScene. Geometry buffers always exist (the tree is built from them); the others only where their
-/// feature is on. Throws DeviceError if the device has too little memory.
+/// feature is on. Throws DeviceError if the device has too little memory, std::logic_error for instances without their
+/// feature.
 class DeviceScene {
  public:
   DeviceScene(Context& context, const FlatScene& flat, std::uint32_t features);
@@ -22,17 +31,26 @@ class DeviceScene {
   [[nodiscard]] std::uint32_t plane_count() const { return plane_count_; }
   [[nodiscard]] std::uint32_t light_count() const { return light_count_; }
   [[nodiscard]] std::uint32_t emitter_count() const { return emitter_count_; }
-  /// Primitives that go into the tree.
+  [[nodiscard]] std::uint32_t instance_count() const { return instance_count_; }
+  /// Primitives of the world's own tree.
   [[nodiscard]] std::uint32_t primitive_count() const { return triangle_count_ + sphere_count_; }
+  [[nodiscard]] TreeInput world() const { return {0, triangle_count_, primitive_count()}; }
+  /// Meshes with trees of their own.
+  [[nodiscard]] const std::vector<SharedMesh>& shared_meshes() const { return shared_meshes_; }
+  [[nodiscard]] const Buffer<shared::Instance>& instances() const { return instances_; }
 
-  /// positions, triangles, spheres, triangle_count: what the tree's kernels read.
+  /// positions, triangles, spheres, triangle_count: what the kernels of the world's tree read.
   [[nodiscard]] Arguments geometry_arguments() const;
+  /// The same for any tree, with first_triangle.
+  [[nodiscard]] Arguments geometry_arguments(const TreeInput& input) const;
   /// Everything of shared/scene_buffers.def but the tree, as far as the mask has it.
   [[nodiscard]] Arguments shading_arguments() const;
 
  private:
   std::uint32_t features_ = 0;
   std::uint32_t triangle_count_ = 0, sphere_count_ = 0, plane_count_ = 0, light_count_ = 0, emitter_count_ = 0;
+  std::uint32_t instance_count_ = 0;
+  std::vector<SharedMesh> shared_meshes_;
   Buffer<float> positions_;
   Buffer<shared::uint4> triangles_;
   Buffer<std::uint32_t> triangle_objects_;
@@ -47,6 +65,7 @@ class DeviceScene {
   Buffer<shared::Texture> textures_;
   Buffer<std::uint32_t> texels_;
   Buffer<float> srgb_to_linear_;
+  Buffer<shared::Instance> instances_;
 };
 
 }  // namespace hemiray

@@ -1,6 +1,7 @@
 #include "host/scene/features.hpp"
 
 #include <array>
+#include <span>
 
 namespace hemiray {
 namespace {
@@ -16,7 +17,8 @@ constexpr std::array<const char*, HR_FEATURE_COUNT> kNames = {"triangles",     "
                                                               "emitters",      "secondary",
                                                               "reflection",    "refraction",
                                                               "branching",     "fresnel",
-                                                              "orthographic",  "phong-shading"};
+                                                              "orthographic",  "phong-shading",
+                                                              "instances"};
 
 bool is_positive(const shared::float4& v) { return v.x > 0.0F || v.y > 0.0F || v.z > 0.0F; }
 
@@ -67,8 +69,23 @@ std::uint32_t features_of(const Scene& scene, const FlatScene& flat, int depth) 
   if (!flat.planes.empty()) mask |= HR_FEATURE_PLANES;
   if (!flat.normals.empty()) mask |= HR_FEATURE_SMOOTH_NORMALS;
   if (!flat.colors.empty()) mask |= HR_FEATURE_VERTEX_COLORS;
+  if (!flat.instances.empty()) mask |= HR_FEATURE_INSTANCES;
   std::vector<bool> used(flat.materials.size(), false);
-  for (const shared::uint4& t : flat.triangles) used[t.w] = true;
+  const std::span<const shared::uint4> triangles(flat.triangles);
+  for (const shared::uint4& t : triangles.first(flat.world_triangles())) used[t.w] = true;
+  std::vector<bool> own(flat.shared_meshes.size(), false);  // meshes seen in their own materials
+  for (const shared::Instance& instance : flat.instances) {
+    if (instance.material == HR_NO_MATERIAL) {
+      own[instance.mesh] = true;
+    } else {
+      used[instance.material] = true;
+    }
+  }
+  for (std::size_t i = 0; i < own.size(); i++) {
+    if (!own[i]) continue;
+    const SharedMesh& mesh = flat.shared_meshes[i];
+    for (const shared::uint4& t : triangles.subspan(mesh.first_triangle, mesh.triangle_count)) used[t.w] = true;
+  }
   for (const shared::Sphere& s : flat.spheres) used[s.material] = true;
   for (const shared::Plane& p : flat.planes) used[p.material] = true;
   for (std::size_t i = 0; i < used.size(); i++) {

@@ -4,12 +4,11 @@
 #include <array>
 
 #include "host/base/error.hpp"
+#include "host/scene/flat_instances.hpp"
 #include "host/scene/flat_lights.hpp"
 
 namespace hemiray {
 namespace {
-
-constexpr std::size_t kMaxElements = std::size_t{1} << 30U;
 
 shared::float4 to_float4(Vec3 v, float w) { return {v.x, v.y, v.z, w}; }
 
@@ -57,11 +56,7 @@ void flatten_textures(const Scene& scene, FlatScene& flat) {
   }
 }
 
-// Which optional vertex attributes any object needs.
-struct Attributes {
-  bool normals = false, uvs = false, colors = false;
-};
-
+// Those that any object needs.
 Attributes attributes_of(const Scene& scene) {
   Attributes needed;
   const bool textured = !scene.textures.empty();
@@ -74,23 +69,11 @@ Attributes attributes_of(const Scene& scene) {
   return needed;
 }
 
-void append3(std::vector<float>& to, Vec3 v) { to.insert(to.end(), {v.x, v.y, v.z}); }
-
-// Appends a vertex; attributes the mesh lacks get their neutral value.
-void append_vertex(FlatScene& flat, const Attributes& needed, Vec3 position, Vec3 normal, Vec2 uv, Vec3 color) {
-  append3(flat.positions, position);
-  if (needed.normals) append3(flat.normals, normal);
-  if (needed.uvs) flat.uvs.push_back({uv.x, uv.y});
-  if (needed.colors) append3(flat.colors, color);
-}
-
 void append_object(const Scene& scene, const Object& object, std::uint32_t object_index, const Attributes& needed,
                    FlatScene& flat) {
   const Mesh& mesh = scene.meshes[object.mesh];
   const std::size_t first = flat.positions.size() / 3;
-  if (first + mesh.positions.size() > kMaxElements || flat.triangles.size() + mesh.triangles.size() > kMaxElements) {
-    throw DeviceError("the scene has more than 2^30 vertices or triangles; split it");
-  }
+  check_room(flat, mesh);
   const glm::dmat3 linear(object.to_world);
   const glm::dmat3 normal_matrix = glm::transpose(glm::inverse(linear));
   for (std::size_t i = 0; i < mesh.positions.size(); i++) {
@@ -139,16 +122,18 @@ std::uint32_t append_light_quad(const Light& light, std::uint32_t object_index, 
 
 }  // namespace
 
-FlatScene flatten_scene(const Scene& scene) {
+FlatScene flatten_scene(const Scene& scene, Instancing instancing) {
   FlatScene flat;
   for (const Material& material : scene.materials) flat.materials.push_back(flatten_material(material));
   flatten_textures(scene, flat);
   const Attributes needed = attributes_of(scene);
+  const std::vector<bool> instanced = instanced_objects(scene, instancing);
   std::uint32_t object_index = 0;
   std::vector<std::uint32_t> first_primitive;  // of each object
   for (const Object& object : scene.objects) {
     first_primitive.push_back(static_cast<std::uint32_t>(flat.triangles.size()));
-    append_object(scene, object, object_index++, needed, flat);
+    if (!instanced[object_index]) append_object(scene, object, object_index, needed, flat);
+    object_index++;
   }
   for (const Sphere& sphere : scene.spheres) {
     shared::Sphere s{};
@@ -170,9 +155,12 @@ FlatScene flatten_scene(const Scene& scene) {
     const bool quad = light.kind == LightKind::area && light.visible;
     collector.add_light(light, quad ? append_light_quad(light, object_index++, needed, flat) : 0, quad ? 2 : 0);
   }
-  for (std::size_t i = 0; i < scene.objects.size(); i++) collector.add_object(scene.objects[i], first_primitive[i]);
+  for (std::size_t i = 0; i < scene.objects.size(); i++) {
+    if (!instanced[i]) collector.add_object(scene.objects[i], first_primitive[i]);
+  }
   collector.add_spheres();
   collector.finish();
+  append_instances(scene, instanced, needed, flat);
   return flat;
 }
 

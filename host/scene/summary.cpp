@@ -8,6 +8,7 @@
 #include "host/base/numbers.hpp"
 #include "host/scene/bounds.hpp"
 #include "host/scene/emission.hpp"
+#include "host/scene/instancing.hpp"
 
 namespace hemiray {
 namespace {
@@ -30,6 +31,17 @@ void count_lights(const Scene& scene, SceneSummary& summary) {
     }
   }
   summary.emissive_objects = count_emitters(scene);
+}
+
+void count_instances(const Scene& scene, SceneSummary& summary) {
+  const std::vector<bool> instanced = instanced_objects(scene, Instancing::automatic);
+  std::vector<bool> counted(scene.meshes.size(), false);
+  for (std::size_t i = 0; i < scene.objects.size(); i++) {
+    const std::uint32_t mesh = scene.objects[i].mesh;
+    if (instanced[i]) summary.instances++;
+    if (!instanced[i] || !counted[mesh]) summary.unique_triangles += scene.meshes[mesh].triangles.size();
+    if (instanced[i]) counted[mesh] = true;
+  }
 }
 
 std::string plural(std::uint64_t count, const char* what) {
@@ -58,6 +70,7 @@ SceneSummary summarize(const Scene& scene) {
     summary.triangles += scene.meshes[object.mesh].triangles.size();
     summary.vertices += scene.meshes[object.mesh].positions.size();
   }
+  count_instances(scene, summary);
   summary.spheres = scene.spheres.size();
   summary.planes = scene.planes.size();
   count_lights(scene, summary);
@@ -87,6 +100,10 @@ std::string summary_text(const SceneSummary& s) {
   row("geometry", list_counts({{s.objects, "object"}, {s.spheres, "sphere"}, {s.planes, "plane"}}));
   row("triangles", fmt::format("{} over {} in {}", format_count(s.triangles), format_count(s.vertices) + " vertices",
                                s.meshes == 1 ? "1 mesh" : format_count(s.meshes) + " meshes"));
+  if (s.instances > 0) {
+    row("instances", fmt::format("{} that share their triangles: {} on the device", format_count(s.instances),
+                                 format_count(s.unique_triangles)));
+  }
   row("lights", list_counts({{s.point_lights, "point light"},
                              {s.directional_lights, "directional light"},
                              {s.spot_lights, "spot light"},
@@ -115,6 +132,8 @@ std::string summary_json(const SceneSummary& s) {
                                        {"meshes", s.meshes},
                                        {"triangles", s.triangles},
                                        {"vertices", s.vertices},
+                                       {"instances", s.instances},
+                                       {"unique_triangles", s.unique_triangles},
                                        {"spheres", s.spheres},
                                        {"planes", s.planes},
                                        {"point_lights", s.point_lights},

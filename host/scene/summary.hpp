@@ -14,8 +14,10 @@ struct SceneSummary {
   std::string title;
   std::uint64_t objects = 0;  ///< placed meshes
   std::uint64_t meshes = 0;
-  std::uint64_t triangles = 0;  ///< after instancing
-  std::uint64_t vertices = 0;   ///< after instancing
+  std::uint64_t triangles = 0;         ///< as if every object had its own
+  std::uint64_t vertices = 0;          ///< likewise
+  std::uint64_t instances = 0;         ///< objects that share their mesh's triangles on the device
+  std::uint64_t unique_triangles = 0;  ///< on the device: those of shared meshes once
   std::uint64_t spheres = 0;
   std::uint64_t planes = 0;
   std::uint64_t point_lights = 0;

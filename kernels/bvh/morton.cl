@@ -7,7 +7,7 @@
 // and how many are valid or dropped. Launch: G items.
 kernel void bvh_bound_primitives(global const float* restrict positions, global const uint4* restrict triangles,
                                  global const Sphere* restrict spheres, const uint triangle_count,
-                                 const uint primitive_count, global Box* restrict boxes,
+                                 const uint first_triangle, const uint primitive_count, global Box* restrict boxes,
                                  global BoundsPartial* restrict partials) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
   const Box empty = {(float4)(INFINITY), (float4)(-INFINITY)};
@@ -23,7 +23,7 @@ kernel void bvh_bound_primitives(global const float* restrict positions, global 
   const uint end = chunk_begin(primitive_count, g + 1, groups);
   for (uint i = chunk_begin(primitive_count, g, groups); i < end; i++) {
     const bool is_triangle = i < triangle_count;
-    const Primitive primitive = load_primitive(positions, triangles, spheres, triangle_count, i);
+    const Primitive primitive = load_primitive(positions, triangles + first_triangle, spheres, triangle_count, i);
     const Box box = primitive_box(primitive, is_triangle);
     const uint status = primitive_status(primitive, is_triangle, box);
     p.valid += status == HR_PRIMITIVE_VALID;

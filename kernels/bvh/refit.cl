@@ -21,17 +21,19 @@ static inline Box primitive_bounds(global const float* positions, global const u
 // Region first_region + g: its blocks and boxes. Launch: one item a region.
 kernel void bvh_refit_regions(global const float* restrict positions, global const uint4* restrict triangles,
                               global const Sphere* restrict spheres, const uint triangle_count,
-                              global const CollapseRegion* restrict regions, const uint first_region,
-                              const uint region_count, global float* accel_nodes, global float* restrict accel_blocks) {
+                              const uint first_triangle, global const CollapseRegion* restrict regions,
+                              const uint first_region, const uint region_count, global float* accel_nodes,
+                              global float* restrict accel_blocks) {
   const uint g = first_region + (uint)get_global_id(0);
   if (g >= region_count) return;
   const CollapseRegion region = regions[g];
+  global const uint4* own = triangles + first_triangle;
   for (uint b = 0; b < region.blocks; b++) {
     global float* block = accel_blocks + (ulong)(region.final_block + b) * (HR_BLOCK_ROWS * HR_L);
     for (uint lane = 0; lane < HR_L; lane++) {
       const uint primitive = ((global const uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L + lane];
       if (primitive == HR_NO_PRIMITIVE) continue;
-      const Primitive p = load_primitive(positions, triangles, spheres, triangle_count, primitive);
+      const Primitive p = load_primitive(positions, own, spheres, triangle_count, primitive);
       write_lane(block, lane, p, primitive < triangle_count, primitive);
     }
   }
@@ -53,7 +55,7 @@ kernel void bvh_refit_regions(global const float* restrict positions, global con
         for (uint k = 0; k < (leaf & 15u) * HR_L; k++) {
           const uint primitive = primitives[k / HR_L * (HR_BLOCK_ROWS * HR_L) + k % HR_L];
           if (primitive == HR_NO_PRIMITIVE) continue;
-          const Box one = primitive_bounds(positions, triangles, spheres, triangle_count, primitive);
+          const Box one = primitive_bounds(positions, own, spheres, triangle_count, primitive);
           box.lo = min(box.lo, one.lo);
           box.hi = max(box.hi, one.hi);
         }

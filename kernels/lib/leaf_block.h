@@ -14,6 +14,17 @@ typedef struct Skip {
   uint first, last;
 } Skip;
 
+// What the numbers in a tree's blocks mean.
+typedef struct BlockNumbers {
+  uint first;      // added to one, makes it a primitive index
+  uint triangles;  // those below are triangles, the others spheres
+} BlockNumbers;
+
+static inline BlockNumbers world_numbers(const SceneView* view) {
+  const BlockNumbers numbers = {0, view->triangle_count};
+  return numbers;
+}
+
 static inline bool is_skipped(const Skip* skip, uint primitive) {
   return primitive == skip->self || (primitive >= skip->first && primitive <= skip->last);
 }
@@ -35,14 +46,15 @@ static inline real3 block_point(global const float* block, uint row, uint lane) 
 }
 
 // One lane by itself: spheres, and triangles on devices without explicit vectors.
-static inline bool intersect_lane(const SceneView* view, global const float* block, uint lane, const Ray* ray,
+static inline bool intersect_lane(BlockNumbers numbers, global const float* block, uint lane, const Ray* ray,
                                   Hit* candidate) {
-  candidate->primitive = block_primitive(block, lane);
+  const uint number = block_primitive(block, lane);
+  if (number == HR_NO_PRIMITIVE) return false;
+  candidate->primitive = numbers.first + number;
   candidate->u = 0;
   candidate->v = 0;
-  if (candidate->primitive == HR_NO_PRIMITIVE) return false;
   const real3 a = block_point(block, 0, lane);
-  if (HR_HAS(SPHERES) && candidate->primitive >= view->triangle_count) {
+  if (HR_HAS(SPHERES) && number >= numbers.triangles) {
     return intersect_sphere(ray, a, block[3 * HR_L + lane], &candidate->t);
   }
   const real3 b = block_point(block, 3, lane), c = block_point(block, 6, lane);
@@ -66,7 +78,7 @@ typedef struct BlockHits {
 } BlockHits;
 
 // The triangles of a block that the ray may meet before t_far; what rounding leaves open is let through.
-static inline LaneSet block_candidates(const SceneView* view, global const float* block, const Ray* ray, real t_far,
+static inline LaneSet block_candidates(BlockNumbers numbers, global const float* block, const Ray* ray, real t_far,
                                        BlockHits* hits) {
 #if HR_TRIANGLE_WATERTIGHT
 #pragma OPENCL FP_CONTRACT OFF
@@ -108,21 +120,21 @@ static inline LaneSet block_candidates(const SceneView* view, global const float
   met &= (hits->t_det > 0.0f) & (hits->t_det <= hits->det * (t_far * HR_SLAB_PAD)) & (hits->det > 0.0f);
   if (HR_HAS(SPHERES)) {
     const HR_INTL primitive = *(global const HR_INTL*)(block + HR_BLOCK_PRIMITIVE_ROW * HR_L);
-    met &= primitive < (HR_INTL)((int)view->triangle_count);
+    met &= primitive < (HR_INTL)((int)numbers.triangles);
   }
   return HR_LANES_OF_L(met);
 }
 
 // Lanes that hold spheres. HR_NO_PRIMITIVE is negative here.
-static inline LaneSet sphere_lanes(const SceneView* view, global const float* block) {
+static inline LaneSet sphere_lanes(BlockNumbers numbers, global const float* block) {
   const HR_INTL primitive = *(global const HR_INTL*)(block + HR_BLOCK_PRIMITIVE_ROW * HR_L);
-  return HR_LANES_OF_L(primitive >= (HR_INTL)((int)view->triangle_count));
+  return HR_LANES_OF_L(primitive >= (HR_INTL)((int)numbers.triangles));
 }
 
-static inline void intersect_block_closest(const SceneView* view, global const float* block, const Ray* ray,
+static inline void intersect_block_closest(BlockNumbers numbers, global const float* block, const Ray* ray,
                                            const Skip* skip, Hit* best) {
   BlockHits hits;
-  LaneSet lanes = block_candidates(view, block, ray, best->t, &hits);
+  LaneSet lanes = block_candidates(numbers, block, ray, best->t, &hits);
   if (lanes) {
     float t[HR_L], u[HR_L], v[HR_L];
     const HR_FLOATL inverse_det = 1.0f / hits.det;
@@ -132,15 +144,15 @@ static inline void intersect_block_closest(const SceneView* view, global const f
     do {
       const uint lane = first_lane(lanes);
       lanes = without_first(lanes);
-      const Hit candidate = {t[lane], u[lane], v[lane], block_primitive(block, lane)};
+      const Hit candidate = {t[lane], u[lane], v[lane], numbers.first + block_primitive(block, lane)};
       const bool counts = candidate.t > ray->t_min && is_closer(&candidate, best);
       if (counts && !is_skipped(skip, candidate.primitive)) *best = candidate;
     } while (lanes);
   }
   if (HR_HAS(SPHERES)) {
-    for (LaneSet rest = sphere_lanes(view, block); rest; rest = without_first(rest)) {
+    for (LaneSet rest = sphere_lanes(numbers, block); rest; rest = without_first(rest)) {
       Hit candidate;
-      if (intersect_lane(view, block, first_lane(rest), ray, &candidate) && is_closer(&candidate, best) &&
+      if (intersect_lane(numbers, block, first_lane(rest), ray, &candidate) && is_closer(&candidate, best) &&
           !is_skipped(skip, candidate.primitive)) {
         *best = candidate;
       }
@@ -148,23 +160,26 @@ static inline void intersect_block_closest(const SceneView* view, global const f
   }
 }
 
-static inline bool intersect_block_any(const SceneView* view, global const float* block, const Ray* ray,
+static inline bool intersect_block_any(BlockNumbers numbers, global const float* block, const Ray* ray,
                                        const Skip* skip) {
   BlockHits hits;
-  LaneSet lanes = block_candidates(view, block, ray, ray->t_max, &hits);
+  LaneSet lanes = block_candidates(numbers, block, ray, ray->t_max, &hits);
   if (lanes) {
     float t[HR_L];
     HR_STORE(HR_L, hits.t_det * (1.0f / hits.det), t);
     do {
       const uint lane = first_lane(lanes);
       lanes = without_first(lanes);
-      if (t[lane] > ray->t_min && t[lane] < ray->t_max && !is_skipped(skip, block_primitive(block, lane))) return true;
+      if (t[lane] > ray->t_min && t[lane] < ray->t_max &&
+          !is_skipped(skip, numbers.first + block_primitive(block, lane))) {
+        return true;
+      }
     } while (lanes);
   }
   if (HR_HAS(SPHERES)) {
-    for (LaneSet rest = sphere_lanes(view, block); rest; rest = without_first(rest)) {
+    for (LaneSet rest = sphere_lanes(numbers, block); rest; rest = without_first(rest)) {
       Hit candidate;
-      if (intersect_lane(view, block, first_lane(rest), ray, &candidate) && candidate.t < ray->t_max &&
+      if (intersect_lane(numbers, block, first_lane(rest), ray, &candidate) && candidate.t < ray->t_max &&
           !is_skipped(skip, candidate.primitive)) {
         return true;
       }
@@ -175,22 +190,22 @@ static inline bool intersect_block_any(const SceneView* view, global const float
 
 #else
 
-static inline void intersect_block_closest(const SceneView* view, global const float* block, const Ray* ray,
+static inline void intersect_block_closest(BlockNumbers numbers, global const float* block, const Ray* ray,
                                            const Skip* skip, Hit* best) {
   for (uint lane = 0; lane < HR_L; lane++) {
     Hit candidate;
-    if (intersect_lane(view, block, lane, ray, &candidate) && is_closer(&candidate, best) &&
+    if (intersect_lane(numbers, block, lane, ray, &candidate) && is_closer(&candidate, best) &&
         !is_skipped(skip, candidate.primitive)) {
       *best = candidate;
     }
   }
 }
 
-static inline bool intersect_block_any(const SceneView* view, global const float* block, const Ray* ray,
+static inline bool intersect_block_any(BlockNumbers numbers, global const float* block, const Ray* ray,
                                        const Skip* skip) {
   for (uint lane = 0; lane < HR_L; lane++) {
     Hit candidate;
-    if (intersect_lane(view, block, lane, ray, &candidate) && candidate.t < ray->t_max &&
+    if (intersect_lane(numbers, block, lane, ray, &candidate) && candidate.t < ray->t_max &&
         !is_skipped(skip, candidate.primitive)) {
       return true;
     }

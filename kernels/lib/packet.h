@@ -187,7 +187,7 @@ static inline void intersect_packet_block(const SceneView* view, Packet* p, glob
 // Spheres of a block, ray by ray.
 static inline void intersect_packet_spheres(const SceneView* view, Packet* p, global const float* block,
                                             bool* updated) {
-  for (LaneSet rest = sphere_lanes(view, block); rest; rest = without_first(rest)) {
+  for (LaneSet rest = sphere_lanes(world_numbers(view), block); rest; rest = without_first(rest)) {
     const uint lane = first_lane(rest);
     for (uint k = 0; k < HR_K; k++) {
       float dx[16], dy[16], dz[16], t[16];
@@ -198,13 +198,35 @@ static inline void intersect_packet_spheres(const SceneView* view, Packet* p, gl
       for (uint i = 0; i < 16; i++) {
         const Ray ray = make_ray(p->origin, (real3)(dx[i], dy[i], dz[i]), p->t_min, INFINITY);
         Hit hit;
-        met[i] = intersect_lane(view, block, lane, &ray, &hit) ? -1 : 0;
+        met[i] = intersect_lane(world_numbers(view), block, lane, &ray, &hit) ? -1 : 0;
         t[i] = hit.t;
       }
       if (take_hits(p, k, vload16(0, met), vload16(0, t), (float16)(0.0f), (float16)(0.0f),
                     (int)block_primitive(block, lane))) {
         *updated = true;
       }
+    }
+  }
+}
+
+// The rays that still look for something go into the instance of a leaf one by one.
+static inline void intersect_packet_instance(const SceneView* view, Packet* p, int leaf, bool* updated) {
+  for (uint k = 0; k < HR_K; k++) {
+    const float *dx = (const float*)&p->dx[k], *dy = (const float*)&p->dy[k], *dz = (const float*)&p->dz[k];
+    float *t = (float*)&p->t[k], *u = (float*)&p->u[k], *v = (float*)&p->v[k];
+    int* primitive = (int*)&p->primitive[k];
+    for (uint i = 0; i < 16; i++) {
+      const uint before = primitive[i] == -1 ? 0 : (uint)primitive[i];  // nothing counts at t_max itself
+      Hit best = {t[i], u[i], v[i], before};
+      const Ray ray = make_ray(p->origin, (real3)(dx[i], dy[i], dz[i]), p->t_min, t[i]);
+      const Skip skip = {((const uint*)&p->skip[k])[i], 1, 0};
+      if (t[i] > p->t_min) walk_closest(view, &ray, &skip, leaf, -1, &best);
+      if (best.t == t[i] && best.primitive == before) continue;
+      t[i] = best.t;
+      u[i] = best.u;
+      v[i] = best.v;
+      primitive[i] = (int)best.primitive;
+      *updated = true;
     }
   }
 }
@@ -246,6 +268,7 @@ static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
   StackEntry stack[HR_TRAVERSAL_STACK];
   uint size = 0;
   int at = 0;
+  if (HR_HAS(INSTANCES)) stack[size++] = HR_ENTRY(0.0f, instance_root(view));
   for (;;) {
     if (at >= 0) {
       global const float* node = node_at(view, at);
@@ -269,6 +292,7 @@ static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
       const uint leaf = (uint)~at;
       global const float* block = block_at(view, leaf >> 4);
       bool updated = false;
+      if (HR_HAS(INSTANCES) && is_instance_leaf(at)) intersect_packet_instance(view, p, at, &updated);
       for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
         if (HR_HAS(TRIANGLES)) intersect_packet_block(view, p, block, &updated);
         if (HR_HAS(SPHERES)) intersect_packet_spheres(view, p, block, &updated);

@@ -14,7 +14,7 @@
 
 typedef struct SceneView {
   HR_SCENE_BUFFERS(HR_VIEW_MEMBER)
-  uint triangle_count, sphere_count, plane_count, light_count, emitter_count;
+  uint triangle_count, sphere_count, plane_count, light_count, emitter_count, instance_count;
 } SceneView;
 
 // In a kernel's parameter list; each ends with a comma.
@@ -28,6 +28,7 @@ typedef struct SceneView {
   view.sphere_count = (params).sphere_count;     \
   view.plane_count = (params).plane_count;       \
   view.light_count = (params).light_count;       \
-  view.emitter_count = (params).emitter_count;
+  view.emitter_count = (params).emitter_count;   \
+  view.instance_count = (params).instance_count;
 
 #endif

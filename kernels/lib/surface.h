@@ -2,6 +2,7 @@
 #ifndef HR_LIB_SURFACE_H
 #define HR_LIB_SURFACE_H
 
+#include "lib/instance.h"
 #include "lib/intersect.h"
 #include "lib/scene_view.h"
 #include "lib/texture.h"
@@ -48,10 +49,16 @@ static inline real2 interpolate_uv(const SceneView* view, uint4 i, real u, real 
   return load_uv(view, i.x) * (1 - u - v) + load_uv(view, i.y) * u + load_uv(view, i.z) * v;
 }
 
-// Interpolated vertex normal, or `fallback` where a vertex has none.
-static inline real3 interpolate_normal(const SceneView* view, uint4 i, real u, real v, real3 fallback) {
-  const real3 na = load_normal(view, i.x), nb = load_normal(view, i.y), nc = load_normal(view, i.z);
+// Interpolated vertex normal in the world, or `fallback` where a vertex has none. `instance` may be null.
+static inline real3 interpolate_normal(const SceneView* view, uint4 i, global const Instance* instance, real u, real v,
+                                       real3 fallback) {
+  real3 na = load_normal(view, i.x), nb = load_normal(view, i.y), nc = load_normal(view, i.z);
   if (dot3(na, na) == 0 || dot3(nb, nb) == 0 || dot3(nc, nc) == 0) return fallback;
+  if (HR_HAS(INSTANCES) && instance) {
+    na = normal_to_world(instance, na);
+    nb = normal_to_world(instance, nb);
+    nc = normal_to_world(instance, nc);
+  }
   const real3 n = na * (1 - u - v) + nb * u + nc * v;
   return dot3(n, n) > 0 ? normalize3(n) : fallback;
 }
@@ -108,12 +115,25 @@ static inline void shade_material(const SceneView* view, uint index, real2 uv, b
   s->ka = (m.flags & HR_MATERIAL_OWN_AMBIENT) ? (real3)(m.ka.x, m.ka.y, m.ka.z) : s->kd;
 }
 
-static inline TriangleGeometry load_triangle(const SceneView* view, uint primitive) {
+static inline TriangleGeometry load_triangle(const SceneView* view, uint triangle) {
   TriangleGeometry g;
-  g.indices = view->triangles[primitive];
+  g.indices = view->triangles[triangle];
   g.a = load_position(view, g.indices.x);
   g.b = load_position(view, g.indices.y);
   g.c = load_position(view, g.indices.z);
+  return g;
+}
+
+// Triangle `primitive` of an instance as it would stand in the world's own triangles, but in object space.
+static inline TriangleGeometry load_instanced(const SceneView* view, global const Instance* instance, uint primitive) {
+  TriangleGeometry g = load_triangle(view, instance->first_triangle + (primitive - instance->first_id));
+  if (instance->flags & HR_INSTANCE_MIRRORED) {
+    g.indices.yz = g.indices.zy;
+    const real3 b = g.b;
+    g.b = g.c;
+    g.c = b;
+  }
+  if (instance->material != HR_NO_MATERIAL) g.indices.w = instance->material;
   return g;
 }
 
@@ -128,16 +148,26 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
   real3 interpolated = outward;
   uint material = 0;
   TriangleGeometry g;
-  if (HR_HAS(TRIANGLES) && hit->primitive < view->triangle_count) {
-    g = load_triangle(view, hit->primitive);
+  global const Instance* instance = 0;
+  if (HR_HAS(INSTANCES) && hit->primitive >= first_instanced(view)) instance = instance_of(view, hit->primitive);
+  if (HR_HAS(TRIANGLES) && (instance || hit->primitive < view->triangle_count)) {
+    g = instance ? load_instanced(view, instance, hit->primitive) : load_triangle(view, hit->primitive);
     material = g.indices.w;
-    s.object = view->triangle_objects[hit->primitive];
+    s.object = instance ? instance->object : view->triangle_objects[hit->primitive];
     const real3 wa = g.a * (1 - hit->u - hit->v), wb = g.b * hit->u, wc = g.c * hit->v;
     s.position = wa + wb + wc;
     s.error = (fabs(wa) + fabs(wb) + fabs(wc)) * HR_GAMMA(7);
+    if (HR_HAS(INSTANCES) && instance) {
+      point_to_world(instance, &s.position, &s.error);
+      g.b = vector_to_world(instance, g.b - g.a);
+      g.c = vector_to_world(instance, g.c - g.a);
+      g.a = (real3)(0);  // from here on only edges count
+    }
     outward = normal_of_edges(g.b - g.a, g.c - g.a);
     interpolated = outward;
-    if (HR_HAS(SMOOTH_NORMALS)) interpolated = interpolate_normal(view, g.indices, hit->u, hit->v, outward);
+    if (HR_HAS(SMOOTH_NORMALS)) {
+      interpolated = interpolate_normal(view, g.indices, instance, hit->u, hit->v, outward);
+    }
     if (HR_HAS(TEXTURES)) {
       uv = interpolate_uv(view, g.indices, hit->u, hit->v);
       has_uv = true;

@@ -75,7 +75,7 @@ static inline void traverse_cells_closest(const SceneView* view, const Ray* ray,
       uint blocks;
       global const float* block = leaf_blocks(view, visit.reference, &blocks);
       for (; blocks > 0; blocks--, block += HR_BLOCK_ROWS * HR_L) {
-        intersect_block_closest(view, block, ray, skip, best);
+        intersect_block_closest(world_numbers(view), block, ray, skip, best);
       }
     }
     if (!next_visit(stack, &size, best->t, &visit)) return;
@@ -93,7 +93,7 @@ static inline bool traverse_cells_any(const SceneView* view, const Ray* ray, con
       uint blocks;
       global const float* block = leaf_blocks(view, visit.reference, &blocks);
       for (; blocks > 0; blocks--, block += HR_BLOCK_ROWS * HR_L) {
-        if (intersect_block_any(view, block, ray, skip)) return true;
+        if (intersect_block_any(world_numbers(view), block, ray, skip)) return true;
       }
     }
     if (!next_visit(stack, &size, ray->t_max, &visit)) return false;

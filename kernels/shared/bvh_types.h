@@ -25,8 +25,8 @@ typedef struct BinaryNode {
 
 // The traversed tree has nodes of W children (2, 4 or 8: the device profile's width), 8 W words each:
 //   float lo_x[W], hi_x[W], lo_y[W], hi_y[W], lo_z[W], hi_z[W]; int child[W]; uint unused[W].
-// child >= 0 is a node, child < 0 a leaf, ~(first block << 4 | blocks). A lane without child has an empty box
-// (lo = +inf, hi = -inf), which no ray enters.
+// child >= 0 is a node, child < 0 a leaf, ~(first block << 4 | blocks), or ~((instance + 1) << 4). A lane without child
+// has an empty box (lo = +inf, hi = -inf), which no ray enters.
 #define HR_NODE_WORDS(width) (8 * (width))
 #define HR_NODE_CHILD_ROW 6 /* of W words each */
 
@@ -79,7 +79,7 @@ typedef struct QueryHit {
   float t;         // [in lengths of direction]
   float u;         // barycentric weight of the triangle's second vertex
   float v;         // ... of the third
-  uint primitive;  // triangles in input order, then spheres, then planes
+  uint primitive;  // triangles in input order, then spheres, then planes, then the triangles of all instances
 } QueryHit;
 
 #define HR_NO_PRIMITIVE 0xffffffffu

@@ -29,12 +29,13 @@
 #define HR_FEATURE_FRESNEL (1u << 21)
 #define HR_FEATURE_ORTHOGRAPHIC (1u << 22)
 #define HR_FEATURE_PHONG_SHADING (1u << 23)
-#define HR_FEATURE_COUNT 24
+#define HR_FEATURE_INSTANCES (1u << 24) /* meshes that copies share, each with a tree of its own */
+#define HR_FEATURE_COUNT 25
 
 #ifndef __cplusplus
 
 #ifndef HR_FEATURES
-#define HR_FEATURES 0xffffffu
+#define HR_FEATURES 0x1ffffffu
 #endif
 
 #define HR_HAS(feature) ((HR_FEATURES & HR_FEATURE_##feature) != 0)
@@ -105,6 +106,11 @@
 #define HR_IF_BRANCHING(x) x
 #else
 #define HR_IF_BRANCHING(x)
+#endif
+#if HR_HAS(INSTANCES)
+#define HR_IF_INSTANCES(x) x
+#else
+#define HR_IF_INSTANCES(x)
 #endif
 
 #endif

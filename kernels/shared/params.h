@@ -26,7 +26,8 @@ typedef struct RenderParams {
   uint plane_count;
   uint light_count;
   uint emitter_count;
-  uint pad0, pad1, pad2;
+  uint instance_count;
+  uint pad0, pad1;
 } RenderParams;
 
 HR_SHARED_END

@@ -59,6 +59,28 @@ typedef struct Plane {
   uint pad0, pad1;
 } Plane;
 
+#define HR_NO_MATERIAL 0xffffffffu
+#define HR_INSTANCE_MIRRORED 1u /* L turns the winding round: second and third vertex change places */
+
+// A mesh placed in the world that has its triangles and its tree in common with other copies: p_world = L p + T. Its
+// triangles are primitives first_id, first_id + 1, ..., numbered behind the scene's triangles, spheres and planes.
+typedef struct Instance {
+  float4 to_world_x;  // row of L, w = T [m]
+  float4 to_world_y;
+  float4 to_world_z;
+  float4 to_object_x;  // row of the inverse of L, w = 0
+  float4 to_object_y;
+  float4 to_object_z;
+  uint first_id;
+  uint first_triangle;  // in triangles; their vertices are in object space
+  uint triangle_count;
+  uint mesh;      // of those shared: its tree's root is tree_roots[mesh + 1]; tree_roots[0] is that of all instances
+  uint object;    // as the user numbers them
+  uint material;  // of all its triangles, or HR_NO_MATERIAL: each its own
+  uint flags;
+  uint pad;
+} Instance;
+
 #define HR_LIGHT_POINT 0u
 #define HR_LIGHT_DIRECTIONAL 1u
 #define HR_LIGHT_SPOT 2u

@@ -28,6 +28,7 @@ static_assert(sizeof(shared::uint2) == 8 && alignof(shared::uint2) == 8);
 static_assert(sizeof(shared::uint4) == 16 && alignof(shared::uint4) == 16);
 static_assert(sizeof(shared::Material) == 128 && alignof(shared::Material) == 16);
 static_assert(sizeof(shared::Texture) == 32);
+static_assert(sizeof(shared::Instance) == 128 && alignof(shared::Instance) == 16);
 static_assert(sizeof(shared::Sphere) == 32 && alignof(shared::Sphere) == 16);
 static_assert(sizeof(shared::Plane) == 48 && alignof(shared::Plane) == 16);
 static_assert(sizeof(shared::Light) == 112 && alignof(shared::Light) == 16);
@@ -69,6 +70,12 @@ const std::vector<Layout>& layouts() {
       {"Sphere",
        sizeof(shared::Sphere),
        {HR_FOUR(Sphere, center_radius, material, object, pad0), HR_MEMBER(Sphere, pad1)}},
+      {"Instance",
+       sizeof(shared::Instance),
+       {HR_FOUR(Instance, to_world_x, to_world_y, to_world_z, to_object_x),
+        HR_FOUR(Instance, to_object_y, to_object_z, first_id, first_triangle),
+        HR_FOUR(Instance, triangle_count, mesh, object, material), HR_MEMBER(Instance, flags),
+        HR_MEMBER(Instance, pad)}},
       {"Plane",
        sizeof(shared::Plane),
        {HR_FOUR(Plane, point, normal, material, object), HR_MEMBER(Plane, pad0), HR_MEMBER(Plane, pad1)}},
@@ -96,8 +103,8 @@ const std::vector<Layout>& layouts() {
         HR_FOUR(RenderParams, background, ambient, width, height),
         HR_FOUR(RenderParams, first_pixel, slot_count, sample, samples),
         HR_FOUR(RenderParams, seed_key, max_depth, triangle_count, sphere_count),
-        HR_FOUR(RenderParams, plane_count, light_count, emitter_count, pad0), HR_MEMBER(RenderParams, pad1),
-        HR_MEMBER(RenderParams, pad2)}},
+        HR_FOUR(RenderParams, plane_count, light_count, emitter_count, instance_count), HR_MEMBER(RenderParams, pad0),
+        HR_MEMBER(RenderParams, pad1)}},
   };
   return kLayouts;
 }

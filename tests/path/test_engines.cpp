@@ -116,6 +116,7 @@ Image render_in_waves(const ComparisonScene& item, EngineKind kind, std::uint32_
   params.plane_count = scene.plane_count();
   params.light_count = scene.light_count();
   params.emitter_count = scene.emitter_count();
+  params.instance_count = scene.instance_count();
   const std::uint32_t pixels = params.width * params.height;
   for (params.sample = 0; params.sample < params.samples; params.sample++) {
     for (std::uint32_t first = 0; first < pixels; first += slots) {

@@ -59,6 +59,7 @@ std::uint32_t with_implied(std::uint32_t bit) {
       return bit | HR_FEATURE_LIGHTS;
     case HR_FEATURE_EMITTERS:
       return bit | HR_FEATURE_LIGHTS | HR_FEATURE_EMISSION | HR_FEATURE_SPHERES;
+    case HR_FEATURE_INSTANCES:
     case HR_FEATURE_SMOOTH_NORMALS:
     case HR_FEATURE_VERTEX_COLORS:
     case HR_FEATURE_TEXTURES:

@@ -15,6 +15,7 @@
 #include "host/bvh/ray_queries.hpp"
 #include "host/path/render.hpp"
 #include "tests/bvh/double_oracle.hpp"
+#include "tests/bvh/instanced_scenes.hpp"
 #include "tests/path/render_on_device.hpp"
 #include "tests/reference/scene_builder.hpp"
 
@@ -211,6 +212,27 @@ TEST_CASE("tiny: a median kd-tree") {
   AccelOptions options;
   options.kind = AccelKind::kdtree_median;
   check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
+}
+
+TEST_CASE("tiny: instances of two meshes answer rays as their copies do") {
+  Scene scene;
+  test::Places places(5);
+  const std::uint32_t meshes[] = {test::add_mesh(scene, test::mesh_of(test::soup(5, 0, 0.8F, 6))),
+                                  test::add_mesh(scene, test::mesh_of(test::soup(9, 0, 0.8F, 7)))};
+  for (int i = 0; i < 5; i++) {
+    const DVec3 scale(i == 3 ? -0.5 : 0.5, 0.7, 0.6);
+    test::add_object(scene, meshes[i % 2], test::random_turn(places, DVec3(places.in_cube(0.5F)), scale));
+  }
+  const FlatScene flat = flatten_scene(scene, Instancing::always), copies = flatten_scene(scene);
+  Context context(choose_device(""));
+  Parallel parallel(context);
+  AccelBuilder builder(context, parallel, true);
+  const DeviceScene device_scene(context, flat, HR_FEATURE_TRIANGLES | HR_FEATURE_INSTANCES);
+  Accel accel(builder, device_scene);
+  RayQueries queries(context, device_scene, accel);
+  check_rays(copies, queries, rays_through(1));  // without other primitives the indices are the same
+  accel.refit(device_scene);
+  check_rays(copies, queries, rays_through(2));
 }
 
 TEST_CASE("tiny: both engines render a room") {

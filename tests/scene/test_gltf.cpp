@@ -6,6 +6,7 @@
 
 #include "host/base/error.hpp"
 #include "host/scene/data_uri.hpp"
+#include "host/scene/flat_scene.hpp"
 #include "host/scene/gltf_reader.hpp"
 #include "tests/scene/binary_files.hpp"
 #include "tests/support/image_files.hpp"
@@ -197,6 +198,9 @@ TEST_CASE("glTF node transforms multiply from the root, and nodes share meshes")
   CHECK(turned.y == Approx(2.0).margin(kRounding));
   const glm::dvec4 moved = scene.objects[1].to_world * glm::dvec4(0, 0, 0, 1);
   CHECK(moved.z == Approx(10.0).margin(kRounding));
+  const FlatScene flat = flatten_scene(scene, Instancing::always);
+  CHECK(flat.instances.size() == 2);
+  CHECK(flat.shared_meshes.size() == 1);
 }
 
 TEST_CASE("only the default glTF scene is shown, and without scenes all roots are") {
