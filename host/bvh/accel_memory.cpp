@@ -57,7 +57,7 @@ AccelMemory predict_accel_bytes(const FlatScene& flat, const AccelOptions& optio
   AccelMemory all = predict_accel_bytes(world, options, profile);
   if (flat.instances.empty()) return all;
   // The sort's digit counts are kept once for all trees.
-  const std::uint64_t counts = sizeof(std::uint32_t) * (kMaxRadix * profile.chunks + 1);
+  const std::uint64_t counts = sort_bytes(profile);
   if (world == 0) all = {counts, counts};
   const auto add = [&](const AccelMemory& part) {
     all.peak = std::max(all.peak, all.tree + part.peak - counts);
