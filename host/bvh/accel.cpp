@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "host/base/error.hpp"
+#include "host/bvh/accel_memory.hpp"
 #include "shared/features.h"
 
 namespace hemiray {
@@ -17,10 +18,6 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 // Codes of 11 bits an axis sort in three passes. More bits tell apart what lies close together in large scenes, which
 // clustering makes up for.
 constexpr unsigned kMortonBits = 33;
-constexpr std::uint32_t kSweepDepth = 130;  // HR_SWEEP_DEPTH and
-constexpr std::uint32_t kArenaRows = 9;     // HR_ARENA_ROWS and
-constexpr std::uint32_t kArenaGuard = 32;   // HR_ARENA_GUARD of bvh/arena.h
-constexpr std::uint32_t kSmallChunk = 256;  // primitives that are not worth a work-item of their own
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -45,7 +42,18 @@ shared::float4 cubic_scale(const shared::float4& scale) {
   return {least, least, least, 0.0F};
 }
 
-std::size_t arena_words(std::uint32_t capacity) { return std::size_t{kArenaRows} * (capacity + 2 * kArenaGuard); }
+// What bvh/binary_node.h weighs boxes by. A scene without extent along some axis has no volume to weigh, one without
+// two of them nothing at all.
+shared::float4 entry_metric(const shared::float4& lo, const shared::float4& hi) {
+  constexpr double kLeast = 1e-20;     // of what is divided by
+  constexpr float kLaneCost = 1e-20F;  // more than nothing, next to nothing beside boxes that rays meet
+  const double x = double{hi.x} - lo.x, y = double{hi.y} - lo.y, z = double{hi.z} - lo.z;
+  const double longest = std::max({x, y, z});
+  if (!(longest > 0.0)) return {0.0F, 0.0F, 0.0F, kLaneCost};
+  const double area = (x * y + (x + y) * z) / (longest * longest), volume = x * y * z / (longest * longest * longest);
+  const auto inverse = [](double d) { return d > kLeast ? static_cast<float>(1.0 / d) : 0.0F; };
+  return {inverse(longest), inverse(area), inverse(volume), kLaneCost};
+}
 
 }  // namespace
 
@@ -69,8 +77,9 @@ Program& AccelBuilder::layout_program(const AccelConfig& config) {
   const auto found = layout_programs_.find(defines);
   if (found != layout_programs_.end()) return found->second;
   return layout_programs_
-      .emplace(defines, Program(*context_, "bvh_layout", {"bvh/collapse.cl", "bvh/emit_wide.cl", "bvh/refit.cl"},
-                                ProgramOptions{0, false, defines}))
+      .emplace(defines,
+               Program(*context_, "bvh_layout", {"bvh/cut.cl", "bvh/collapse.cl", "bvh/emit_wide.cl", "bvh/refit.cl"},
+                       ProgramOptions{0, false, defines}))
       .first->second;
 }
 
@@ -118,11 +127,18 @@ void Accel::bound_primitives(const DeviceScene& scene) {
   AccelBuilder::Scratch& scratch = builder_->scratch_;
   const std::uint32_t chunks = context.profile().chunks;
   const Buffer<shared::BoundsPartial> partials(context, "bounds", chunks);
-  builder_->ensure(scratch.boxes, "boxes", input_.primitive_count);
+  ensure_boxes();
   launch(context, builder_->program_.kernel("bvh_bound_primitives"), chunks,
          arguments(scene.geometry_arguments(input_), arg("primitive_count", input_.primitive_count),
                    arg("boxes", scratch.boxes), arg("partials", partials)));
   take_bounds(partials);
+}
+
+// Room for the boxes, and for the costs that collapse() puts in their place.
+void Accel::ensure_boxes() {
+  const DeviceProfile& profile = builder_->context_->profile();
+  const std::uint32_t nodes = binary_tree_sizes(input_.primitive_count, options_.builder, profile).nodes;
+  builder_->ensure(builder_->scratch_.boxes, "boxes", nodes);
 }
 
 void Accel::take_bounds(const Buffer<shared::BoundsPartial>& partials) {
@@ -150,7 +166,8 @@ void Accel::sort_primitives(const AccelOptions& options) {
                           cells_per_metre(centroid_lo_.z, centroid_hi_.z, axis_bits), 0.0F};
   if (options.kind != AccelKind::bvh) scale = cubic_scale(scale);
   builder_->ensure(scratch.keys, "Morton codes", count);
-  builder_->ensure(scratch.keys_other, "Morton codes", count);
+  const std::uint32_t slots = binary_tree_sizes(count, options.builder, context.profile()).nodes;
+  builder_->ensure(scratch.keys_other, "Morton codes", std::max(count, slots / 2 + 1));  // as collapse() wants them
   launch(context, builder_->program_.kernel("bvh_code_primitives"), context.profile().chunks,
          arguments(arg("boxes", scratch.boxes), arg("primitive_count", count), arg("centroid_lo", centroid_lo_),
                    arg("scale", scale), arg("axis_bits", axis_bits), arg("index_bits", std::uint32_t{index_bits_}),
@@ -165,38 +182,31 @@ void Accel::cluster(const AccelOptions& options) {
   AccelBuilder::Scratch& scratch = builder_->scratch_;
   const DeviceProfile& profile = context.profile();
   const std::uint32_t count = statistics_.primitives;
-  const std::uint32_t groups = std::clamp(count / kSmallChunk, 1U, profile.cluster_chunks);
-  const bool merge = options.builder == TreeBuilder::quality;
-  const std::uint32_t limit = merge ? profile.cluster_limit : 1;
-  const std::uint32_t keep = merge ? profile.cluster_keep : 1;
-  // Ranges that reach over chunk ends have their nodes made by the join, which numbers them from `count` on.
-  const std::uint32_t join_capacity =
-      static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{groups} * kSweepDepth * limit, count));
-  const std::uint32_t arena_capacity = (kSweepDepth + 1) * limit;
-  builder_->ensure(scratch.binary, "binary tree", std::size_t{count} + join_capacity);
-  builder_->ensure(scratch.arenas, "cluster arenas", groups * arena_words(arena_capacity));
-  builder_->ensure(scratch.join_arena, "cluster arenas", arena_words(join_capacity));
-  builder_->ensure(scratch.pending, "pending ranges", std::size_t{groups} * kSweepDepth);
-  builder_->ensure(scratch.pending_count, "pending ranges", groups);
+  const BinaryTreeSizes sizes = binary_tree_sizes(count, options.builder, profile);
+  builder_->ensure(scratch.binary, "binary tree", sizes.nodes);
+  builder_->ensure(scratch.node_ranges, "node ranges", sizes.groups + 1);
+  builder_->ensure(scratch.arenas, "cluster arenas", sizes.arena_words);
+  builder_->ensure(scratch.join_arena, "cluster arenas", sizes.join_arena_words);
+  builder_->ensure(scratch.pending, "pending ranges", std::size_t{sizes.groups} * kSweepDepth);
+  builder_->ensure(scratch.pending_count, "pending ranges", sizes.groups);
   builder_->ensure(scratch.root, "root", 1);
-  const Arguments common = arguments(arg("count", count), arg("nodes", scratch.binary), arg("arenas", scratch.arenas),
-                                     arg("arena_capacity", arena_capacity), arg("pending", scratch.pending),
-                                     arg("pending_count", scratch.pending_count));
+  const Arguments common =
+      arguments(arg("count", count), arg("nodes", scratch.binary), arg("arenas", scratch.arenas),
+                arg("arena_capacity", sizes.arena_capacity), arg("pending", scratch.pending),
+                arg("pending_count", scratch.pending_count), arg("node_ranges", scratch.node_ranges));
   const Arguments sorted = arguments(common, arg("keys", scratch.keys), arg("index_bits", std::uint32_t{index_bits_}),
                                      arg("boxes", scratch.boxes));
-  const Arguments limits = arguments(arg("limit", limit), arg("keep", keep));
-  if (merge) {
-    launch(context, builder_->program_.kernel("bvh_cluster_chunks"), groups, arguments(sorted, limits));
+  const Arguments limits = arguments(arg("limit", sizes.limit), arg("keep", sizes.keep));
+  if (options.builder == TreeBuilder::quality) {
+    launch(context, builder_->program_.kernel("bvh_cluster_chunks"), sizes.groups, arguments(sorted, limits));
   } else {
-    launch(context, builder_->program_.kernel("bvh_radix_chunks"), groups, sorted);
+    launch(context, builder_->program_.kernel("bvh_radix_chunks"), sizes.groups, sorted);
   }
   launch(context, builder_->program_.kernel("bvh_join_chunks"), 1,
-         arguments(common, limits, arg("join_arena", scratch.join_arena), arg("join_capacity", join_capacity),
-                   arg("groups", groups), arg("root", scratch.root)));
+         arguments(common, limits, arg("join_arena", scratch.join_arena), arg("join_capacity", sizes.join_capacity),
+                   arg("groups", sizes.groups), arg("root", scratch.root)));
   context.finish();
   builder_->release(scratch.keys);
-  builder_->release(scratch.keys_other);
-  builder_->release(scratch.boxes);
   builder_->release(scratch.arenas);
   builder_->release(scratch.join_arena);
 }
@@ -206,28 +216,33 @@ void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
   AccelBuilder::Scratch& scratch = builder_->scratch_;
   Program& program = builder_->layout_program(layout_config());  // the stack is not known yet
   const std::uint32_t count = statistics_.primitives;
+  const BinaryTreeSizes sizes = binary_tree_sizes(count, options.builder, context.profile());
   const std::uint32_t target = std::clamp(count / kSmallChunk, 2U, context.profile().collapse_regions);
   const std::uint32_t most_regions = target + config_.width + 1;
-  // As many nodes as the regions' bounds add up to (bvh_collapse_top).
-  const std::size_t draft_nodes = (count - 1) / std::min(config_.width - 1, options.max_leaf) + most_regions + 1;
-  builder_->ensure(scratch.draft, "draft nodes", draft_nodes * config_.node_words());
-  builder_->ensure(scratch.descriptors, "leaf blocks", 2 * std::size_t{count});
+  builder_->ensure(scratch.draft, "top of the tree", target * config_.node_words());
   builder_->ensure(scratch.totals, "tree totals", 4);
-  Buffer<std::uint32_t> leaf_order(context, "leaf order", count);
   regions_ = Buffer<shared::CollapseRegion>(context, "regions", most_regions);
-  const Arguments common =
-      arguments(arg("binary", scratch.binary), arg("draft_nodes", scratch.draft), arg("leaf_order", leaf_order),
-                arg("descriptors", scratch.descriptors), arg("regions", regions_), arg("totals", scratch.totals),
-                arg("max_leaf", std::uint32_t{options.max_leaf}));
+  // The sorted order has become the binary tree: its memory holds the cut, and that of the boxes the costs.
+  const Arguments tree = arguments(arg("binary", scratch.binary), arg("cuts", scratch.keys_other));
+  const auto cut = [&](std::uint32_t first, std::uint32_t items) {
+    launch(context, program.kernel("bvh_cut_ranges"), items,
+           arguments(tree, arg("ranges", scratch.node_ranges), arg("first", first), arg("each", 1U),
+                     arg("costs", scratch.boxes), arg("metric", entry_metric(statistics_.lo, statistics_.hi)),
+                     arg("max_leaf", std::uint32_t{options.max_leaf})));
+  };
+  cut(0, sizes.groups);
+  cut(sizes.groups, 1);
+  const Arguments regions = arguments(tree, arg("regions", regions_));
   launch(context, program.kernel("bvh_collapse_top"), 1,
-         arguments(common, arg("root", scratch.root), arg("primitives", count), arg("lo", statistics_.lo),
-                   arg("hi", statistics_.hi), arg("target", target), arg("min_primitives", kSmallChunk)));
-  launch(context, program.kernel("bvh_collapse_regions"), most_regions, common);
+         arguments(regions, arg("draft_nodes", scratch.draft), arg("totals", scratch.totals), arg("root", scratch.root),
+                   arg("primitives", count), arg("lo", statistics_.lo), arg("hi", statistics_.hi),
+                   arg("target", target), arg("min_primitives", kSmallChunk), arg("most_nodes", target)));
+  launch(context, program.kernel("bvh_count_regions"), most_regions, arguments(regions, arg("totals", scratch.totals)));
   launch(context, program.kernel("bvh_place_regions"), 1,
          arguments(arg("regions", regions_), arg("totals", scratch.totals), arg("first_node", first_node_),
                    arg("first_block", first_block_)));
   const std::vector<std::uint32_t> totals = scratch.totals.read(0, 4);
-  builder_->release(scratch.binary);
+  builder_->release(scratch.boxes);
   region_count_ = totals[0];
   statistics_.nodes = totals[1];
   statistics_.blocks = totals[2];
@@ -237,21 +252,15 @@ void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
   nodes_ = Buffer<float>(context, "accel_nodes", statistics_.nodes * config_.node_words());
   if (of_instances_) statistics_.blocks = 0;
   blocks_ = Buffer<float>(context, "accel_blocks", statistics_.blocks * config_.block_words());
-  const Arguments regions = arguments(arg("regions", regions_), arg("region_count", region_count_));
-  launch(context, program.kernel("bvh_emit_nodes"), region_count_,
-         arguments(regions, arg("draft_nodes", scratch.draft), arg("accel_nodes", nodes_),
-                   arg("first_node", first_node_)));
-  if (of_instances_) {
-    link_instances(leaf_order);
-  } else {
-    launch(context, program.kernel("bvh_emit_blocks"), region_count_,
-           arguments(regions, scene.geometry_arguments(input_), arg("leaf_order", leaf_order),
-                     arg("descriptors", scratch.descriptors), arg("accel_blocks", blocks_),
-                     arg("first_block", first_block_)));
-  }
+  launch(context, program.kernel("bvh_emit_regions"), region_count_,
+         arguments(regions, scene.geometry_arguments(input_), arg("region_count", region_count_),
+                   arg("of_instances", std::uint32_t{of_instances_}), arg("first_node", first_node_),
+                   arg("first_block", first_block_), arg("draft_nodes", scratch.draft), arg("accel_nodes", nodes_),
+                   arg("accel_blocks", blocks_)));
   context.finish();
+  builder_->release(scratch.binary);
+  builder_->release(scratch.keys_other);
   builder_->release(scratch.draft);
-  builder_->release(scratch.descriptors);
 }
 
 // A tree without primitives: one node without children.

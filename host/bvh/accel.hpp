@@ -52,7 +52,8 @@ class AccelBuilder {
     Buffer<shared::BinaryNode> binary;
     Buffer<float> arenas, join_arena, draft;
     Buffer<shared::int2> pending;
-    Buffer<std::uint32_t> pending_count, descriptors, totals;
+    Buffer<shared::uint2> node_ranges;
+    Buffer<std::uint32_t> pending_count, totals;
     Buffer<std::int32_t> root;
   };
 
@@ -120,6 +121,7 @@ class Accel {
   [[nodiscard]] AccelConfig layout_config() const;
   void build_tree(const DeviceScene& scene, const AccelOptions& options, const TreeInput& input);
   void bound_primitives(const DeviceScene& scene);
+  void ensure_boxes();
   void take_bounds(const Buffer<shared::BoundsPartial>& partials);
   void sort_primitives(const AccelOptions& options);
   void cluster(const AccelOptions& options);
@@ -134,7 +136,6 @@ class Accel {
   void build_instance_tree(const DeviceScene& scene, const AccelOptions& options);
   void bound_instances(const DeviceScene& scene);
   void bound_mesh(const Buffer<float>& nodes, std::uint32_t root, std::uint32_t mesh);
-  void link_instances(const Buffer<std::uint32_t>& leaf_order);
   void keep_tree();
   void join_trees();
   void refit_with_instances(const DeviceScene& scene);

@@ -77,7 +77,7 @@ void Accel::bound_instances(const DeviceScene& scene) {
   Kernel& kernel = builder_->instance_program(layout_config()).kernel("bvh_bound_instances");
   const std::uint32_t chunks = context.profile().chunks;
   const Buffer<shared::BoundsPartial> partials(context, "bounds", chunks);
-  builder_->ensure(scratch.boxes, "boxes", scene.instance_count());
+  ensure_boxes();
   AccelStatistics all = trees_.front().statistics;
   for (int round = 0; round < 2; round++) {
     launch(context, kernel, chunks,
@@ -88,13 +88,6 @@ void Accel::bound_instances(const DeviceScene& scene) {
     take_bounds(partials);
     include(all, statistics_);
   }
-}
-
-void Accel::link_instances(const Buffer<std::uint32_t>& leaf_order) {
-  launch(*builder_->context_, builder_->instance_program(layout_config()).kernel("bvh_link_instances"), region_count_,
-         arguments(arg("regions", regions_), arg("region_count", region_count_), arg("leaf_order", leaf_order),
-                   arg("descriptors", builder_->scratch_.descriptors), arg("accel_nodes", nodes_),
-                   arg("first_node", first_node_)));
 }
 
 // Puts the tree just built aside.

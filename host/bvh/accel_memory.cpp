@@ -13,40 +13,56 @@ namespace {
 constexpr double kLeafFill = 0.66;
 constexpr double kNodeFill = 0.97;
 // kernels/bvh/arena.h
-constexpr std::uint64_t kSweepDepth = 130, kArenaRows = 9, kArenaPad = 64;
+constexpr std::uint32_t kArenaRows = 9, kArenaGuard = 32;
+
+std::size_t arena_words(std::uint32_t capacity) { return std::size_t{kArenaRows} * (capacity + 2 * kArenaGuard); }
 
 AccelMemory predict_tree(std::uint64_t primitives, bool has_blocks, const AccelOptions& given,
                          const DeviceProfile& profile) {
   const AccelOptions options = complete_options(given, profile);
   const std::uint64_t count = std::max<std::uint64_t>(primitives, 1);
+  const BinaryTreeSizes sizes = binary_tree_sizes(static_cast<std::uint32_t>(count), options.builder, profile);
   const std::uint64_t node_bytes = 32 * std::uint64_t{options.width};
   const std::uint64_t block_bytes = has_blocks ? 40 * std::uint64_t{options.leaf_lanes} : 0;
-  const std::uint64_t regions = std::clamp<std::uint64_t>(count / 256, 2, profile.collapse_regions) + options.width + 1;
+  const std::uint64_t target = std::clamp<std::uint64_t>(count / kSmallChunk, 2, profile.collapse_regions);
   const double leaf_primitives = std::max(1.0, kLeafFill * options.max_leaf);
   const auto leaves = static_cast<std::uint64_t>(std::ceil(static_cast<double>(count) / leaf_primitives));
   const std::uint64_t blocks_a_leaf = (options.max_leaf + options.leaf_lanes - 1) / options.leaf_lanes;
   const auto nodes =
       static_cast<std::uint64_t>(std::ceil(static_cast<double>(leaves) / (kNodeFill * options.width - 1.0)) + 1.0);
-  const std::uint64_t draft = ((count - 1) / std::min(options.width - 1, options.max_leaf) + regions + 1) * node_bytes;
-  const std::uint64_t groups = std::clamp<std::uint64_t>(count / 256, 1, profile.cluster_chunks);
-  const std::uint64_t limit = options.builder == TreeBuilder::quality ? profile.cluster_limit : 1;
-  const std::uint64_t joined = std::min(groups * kSweepDepth * limit, count);
-  const std::uint64_t kept =
-      sort_bytes(profile) + groups * (kSweepDepth * 2 + 1) * sizeof(std::uint32_t);  // and the pending ranges
-  const std::uint64_t arenas =
-      kArenaRows * sizeof(float) * (groups * ((kSweepDepth + 1) * limit + kArenaPad) + joined + kArenaPad);
+  const std::uint64_t kept = sort_bytes(profile) +
+                             sizes.groups * (kSweepDepth * 2 + 3) * std::uint64_t{sizeof(std::uint32_t)}
+                             // pending and node ranges
+                             + target * node_bytes;  // the top's draft
+  const std::uint64_t regions = (target + options.width + 1) * sizeof(shared::CollapseRegion);
+  const std::uint64_t arenas = sizeof(float) * (sizes.arena_words + sizes.join_arena_words);
+  const std::uint64_t boxes = sizeof(shared::Box) * std::uint64_t{sizes.nodes};
+  const std::uint64_t keys = sizeof(std::uint64_t) * count;
+  const std::uint64_t other_keys = sizeof(std::uint64_t) * std::max<std::uint64_t>(count, sizes.nodes / 2 + 1);
+  const std::uint64_t binary = sizeof(shared::BinaryNode) * std::uint64_t{sizes.nodes};
   AccelMemory memory;
-  memory.tree =
-      kept + nodes * node_bytes + leaves * blocks_a_leaf * block_bytes + regions * sizeof(shared::CollapseRegion);
-  const std::uint64_t leaf_order = 3 * sizeof(std::uint32_t) * count;
-  const std::uint64_t binary = sizeof(shared::BinaryNode) * (count + joined);
-  const std::uint64_t sorting = count * (sizeof(shared::Box) + 2 * sizeof(std::uint64_t));
-  memory.peak = std::max(
-      {kept + sorting + binary + arenas, kept + binary + draft + leaf_order, draft + leaf_order + memory.tree});
+  memory.tree = kept + nodes * node_bytes + leaves * blocks_a_leaf * block_bytes + regions;
+  memory.peak = std::max(kept + boxes + keys + other_keys + binary + arenas, binary + other_keys + memory.tree);
   return memory;
 }
 
 }  // namespace
+
+BinaryTreeSizes binary_tree_sizes(std::uint32_t count, TreeBuilder builder, const DeviceProfile& profile) {
+  BinaryTreeSizes sizes;
+  sizes.groups = std::clamp(count / kSmallChunk, 1U, profile.cluster_chunks);
+  if (builder == TreeBuilder::quality) {
+    sizes.limit = profile.cluster_limit;
+    sizes.keep = profile.cluster_keep;
+  }
+  sizes.arena_capacity = (kSweepDepth + 1) * sizes.limit;
+  sizes.join_capacity = static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(std::uint64_t{sizes.groups} * kSweepDepth * sizes.limit, count));
+  sizes.arena_words = sizes.groups * arena_words(sizes.arena_capacity);
+  sizes.join_arena_words = arena_words(sizes.join_capacity);
+  sizes.nodes = std::max(count + sizes.join_capacity, 1U);
+  return sizes;
+}
 
 AccelMemory predict_accel_bytes(std::uint64_t primitives, const AccelOptions& options, const DeviceProfile& profile) {
   return predict_tree(primitives, true, options, profile);

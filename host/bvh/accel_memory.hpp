@@ -1,4 +1,4 @@
-// How much device memory a tree takes, before it is built.
+// How large the parts of a build are, and how much device memory a tree takes, before it is built.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,23 @@
 #include "host/scene/flat_scene.hpp"
 
 namespace hemiray {
+
+inline constexpr std::uint32_t kSmallChunk = 256;  ///< primitives that are not worth a work-item of their own
+inline constexpr std::uint32_t kSweepDepth = 130;  ///< HR_SWEEP_DEPTH of bvh/arena.h
+
+/// What the kernels of bvh/arena.h work in. None shrinks where `count` grows.
+struct BinaryTreeSizes {
+  std::uint32_t groups = 1;           ///< chunks of the sorted primitives
+  std::uint32_t limit = 1, keep = 1;  ///< clusters a range holds before, and after, neighbours are merged
+  std::uint32_t arena_capacity = 0;   ///< clusters of a chunk
+  std::uint32_t join_capacity = 0;    ///< clusters that all chunks together may leave
+  std::size_t arena_words = 0;        ///< floats of all chunks' arenas
+  std::size_t join_arena_words = 0;
+  std::uint32_t nodes = 1;  ///< the binary tree's slots: chunks have theirs first, then comes the join
+};
+
+/// For a tree of `count` primitives.
+BinaryTreeSizes binary_tree_sizes(std::uint32_t count, TreeBuilder builder, const DeviceProfile& profile);
 
 struct AccelMemory {
   std::uint64_t tree = 0;  ///< bytes of nodes, blocks and regions, which stay

@@ -10,11 +10,12 @@
 
 // Sweeps chunk g of the sorted keys. Left behind: its pending clusters in arena g; pending[g HR_SWEEP_DEPTH + e] =
 // (clusters, left prefix) of pending range e; pending_count[g] ranges. Nodes are numbered from the chunk's first
-// primitive on. Launch: G items.
+// primitive on, children before parents; node_ranges[g] = first, end. Launch: G items.
 kernel void bvh_cluster_chunks(global const ulong* restrict keys, const uint index_bits, const uint count,
                                global const Box* restrict boxes, global BinaryNode* restrict nodes,
                                global float* restrict arenas, const uint arena_capacity, global int2* restrict pending,
-                               global uint* restrict pending_count, const uint limit, const uint keep) {
+                               global uint* restrict pending_count, global uint2* restrict node_ranges,
+                               const uint limit, const uint keep) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
   const uint begin = chunk_begin(count, g, groups), end = chunk_begin(count, g + 1, groups);
   const ulong index_mask = (1ul << index_bits) - 1;
@@ -35,16 +36,18 @@ kernel void bvh_cluster_chunks(global const ulong* restrict keys, const uint ind
     pending[g * HR_SWEEP_DEPTH + e] = (int2)((int)(next - sweep.start[e]), sweep.left[e]);
   }
   pending_count[g] = sweep.size;
+  node_ranges[g] = (uint2)(begin, arena.next_node);
 }
 
 // Joins what `groups` chunks left into one tree, in an arena of its own; nodes are numbered from `count` on. With limit
 // 1 the ranges are closed as in a chunk, else all clusters are merged along the Morton order (Meister and Bittner 2018,
-// "Parallel Locally-Ordered Clustering"): the top of the tree is where that order errs most. root[0] = its reference.
-// Launch: 1 item.
+// "Parallel Locally-Ordered Clustering"): the top of the tree is where that order errs most. root[0] = its reference;
+// node_ranges[groups] = its nodes. Launch: 1 item.
 kernel void bvh_join_chunks(const uint count, global BinaryNode* restrict nodes, global float* arenas,
                             const uint arena_capacity, global float* join_arena, const uint join_capacity,
                             global const int2* restrict pending, global const uint* restrict pending_count,
-                            const uint groups, const uint limit, const uint keep, global int* restrict root) {
+                            global uint2* restrict node_ranges, const uint groups, const uint limit, const uint keep,
+                            global int* restrict root) {
   Arena arena = open_arena(join_arena, 0, join_capacity, nodes, count);
   Sweep sweep;
   sweep.size = 0;
@@ -69,4 +72,5 @@ kernel void bvh_join_chunks(const uint count, global BinaryNode* restrict nodes,
   if (limit == 1) close_ranges(&arena, &sweep, -1, limit, keep);
   reduce_clusters(&arena, 0, 1, HR_JOIN_RADIUS);
   root[0] = (int)((global uint*)arena.rows)[6 * arena.stride];
+  node_ranges[groups] = (uint2)(count, arena.next_node);
 }

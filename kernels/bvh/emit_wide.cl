@@ -1,77 +1,106 @@
-// The collapsed tree goes to its place: nodes from the drafts of all regions, and the leaves' blocks with geometry.
-#include "lib/accel_layout.h"
+// The wide tree goes to its place: nodes, and the leaves' blocks with geometry.
+#include "bvh/wide_walk.h"
 #include "lib/block_write.h"
 #include "lib/primitive.h"
-#include "shared/bvh_types.h"
 
-// Where each region's nodes and blocks go: behind first_node nodes and first_block blocks of other trees. totals[1] =
-// nodes, [2] = blocks, [3] = stack. Launch: 1 item.
-kernel void bvh_place_regions(global CollapseRegion* restrict regions, global uint* restrict totals,
-                              const uint first_node, const uint first_block) {
-  uint nodes = 0, blocks = 0, stack = 0;
-  for (uint g = 0; g < totals[0]; g++) {
-    regions[g].final_node = first_node + nodes;
-    regions[g].final_block = first_block + blocks;
-    nodes += regions[g].nodes;
-    blocks += regions[g].blocks;
-    stack = max(stack, regions[g].stack);
-  }
-  totals[1] = nodes;
-  totals[2] = blocks;
-  totals[3] = stack;
-}
+#define HR_MOST_IN_LEAF (HR_MAX_LEAF_BLOCKS * HR_L)
 
-// Copies region g's draft to its place; accel_nodes begins with node first_node. Launch: one item a region.
-kernel void bvh_emit_nodes(global const float* restrict draft_nodes, global const CollapseRegion* restrict regions,
-                           global float* restrict accel_nodes, const uint region_count, const uint first_node) {
-  const uint g = (uint)get_global_id(0);
-  if (g >= region_count) return;
-  const CollapseRegion region = regions[g];
-  for (uint n = 0; n < region.nodes; n++) {
-    global const float* from = draft_nodes + (ulong)(region.draft_node + n) * HR_NODE_WORDS(HR_W);
-    global float* to = accel_nodes + (ulong)(region.final_node - first_node + n) * HR_NODE_WORDS(HR_W);
-    for (uint i = 0; i < HR_NODE_CHILD_ROW * HR_W; i++) to[i] = from[i];
-    for (uint i = HR_NODE_CHILD_ROW * HR_W; i < HR_NODE_WORDS(HR_W); i++) {
-      int child = ((global const int*)from)[i];
-      if (i >= (HR_NODE_CHILD_ROW + 1) * HR_W) {
-        child = 0;
-      } else if (child == -1) {
-        // A lane without child.
-      } else if (child < 0) {
-        child = (int)~((uint)~child + (region.final_block << 4));
-      } else if (child & HR_REGION_FLAG) {
-        child = (int)regions[child ^ HR_REGION_FLAG].final_node;
-      } else {
-        child += (int)region.final_node;
-      }
-      ((global int*)to)[i] = child;
+typedef struct Geometry {
+  global const float* positions;
+  global const uint4* triangles;
+  global const Sphere* spheres;
+  uint triangle_count;
+} Geometry;
+
+// The `size` primitives below a binary node into the blocks from `block` on; unused lanes hold a point, which no ray
+// meets.
+static inline void write_leaf(const Geometry* geometry, global const BinaryNode* binary, int reference, uint size,
+                              global float* block) {
+  int below[HR_MOST_IN_LEAF];
+  below[0] = reference;
+  // Level by level, so that the reads of a level wait for memory together.
+  for (uint found = 1; found < size;) {
+    for (uint i = found; i-- > 0;) {
+      if (below[i] < 0) continue;
+      const uint4 child = binary[below[i]].child;
+      below[i] = (int)child.x;
+      below[found++] = (int)child.y;
     }
   }
-}
-
-// Fills region g's blocks with the primitives' geometry; unused lanes hold a point, which no ray meets. accel_blocks
-// begins with block first_block. Launch: one item a region.
-kernel void bvh_emit_blocks(global const float* restrict positions, global const uint4* restrict triangles,
-                            global const Sphere* restrict spheres, const uint triangle_count, const uint first_triangle,
-                            global const uint* restrict leaf_order, global const uint* restrict descriptors,
-                            global const CollapseRegion* restrict regions, global float* restrict accel_blocks,
-                            const uint region_count, const uint first_block) {
-  const uint g = (uint)get_global_id(0);
-  if (g >= region_count) return;
-  const CollapseRegion region = regions[g];
+  for (uint i = 0; i < size; i++) HR_PREFETCH(geometry->triangles + ~below[i]);
   const Primitive none = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f)};
-  for (uint b = 0; b < region.blocks; b++) {
-    const uint descriptor = descriptors[region.first_leaf + b];
-    const uint first = region.first_leaf + (descriptor >> 4), used = descriptor & 15u;
-    global float* block = accel_blocks + (ulong)(region.final_block - first_block + b) * (HR_BLOCK_ROWS * HR_L);
+  for (uint first = 0; first < size; first += HR_L) {
     for (uint lane = 0; lane < HR_L; lane++) {
-      if (lane >= used) {
+      if (first + lane >= size) {
         write_lane(block, lane, none, false, HR_NO_PRIMITIVE);
         continue;
       }
-      const uint primitive = leaf_order[first + lane];
-      const Primitive p = load_primitive(positions, triangles + first_triangle, spheres, triangle_count, primitive);
-      write_lane(block, lane, p, primitive < triangle_count, primitive);
+      const uint primitive = (uint)~below[first + lane];
+      const Primitive p = load_primitive(geometry->positions, geometry->triangles, geometry->spheres,
+                                         geometry->triangle_count, primitive);
+      write_lane(block, lane, p, primitive < geometry->triangle_count, primitive);
     }
+    block += HR_BLOCK_ROWS * HR_L;
+  }
+}
+
+// What a leaf of the tree over instances refers to: it holds one of them, and no blocks.
+static inline int instance_reference(int leaf) { return (int)~(((uint)~leaf + 1) << 4); }
+
+// Region 0 from its draft, the others by a walk like the one that counted them. accel_nodes begins with node
+// first_node, accel_blocks with block first_block, the geometry with first_triangle. Launch: one item a region.
+kernel void bvh_emit_regions(global const BinaryNode* restrict binary, global const uint* restrict cuts,
+                             global const float* restrict draft_nodes, global const CollapseRegion* restrict regions,
+                             const uint region_count, const uint of_instances, const uint first_node,
+                             const uint first_block, global const float* restrict positions,
+                             global const uint4* restrict triangles, global const Sphere* restrict spheres,
+                             const uint triangle_count, const uint first_triangle, global float* restrict accel_nodes,
+                             global float* restrict accel_blocks) {
+  const uint g = (uint)get_global_id(0);
+  if (g >= region_count) return;
+  const CollapseRegion region = regions[g];
+  const Geometry geometry = {positions, triangles + first_triangle, spheres, triangle_count};
+  global float* nodes = accel_nodes + (ulong)(region.final_node - first_node) * HR_NODE_WORDS(HR_W);
+  global float* blocks = accel_blocks + (ulong)(region.final_block - first_block) * (HR_BLOCK_ROWS * HR_L);
+  if (g == 0) {
+    for (uint i = 0; i < region.nodes * HR_NODE_WORDS(HR_W); i++) {
+      const uint row = i / HR_W % 8;
+      int word = ((global const int*)draft_nodes)[i];
+      if (row == HR_NODE_CHILD_ROW && word >= 0) {
+        word =
+            (int)(word & HR_REGION_FLAG ? regions[word ^ HR_REGION_FLAG].final_node : region.final_node + (uint)word);
+      } else if (row == HR_NODE_CHILD_ROW && word != -1) {
+        const int leaf = ((global const int*)draft_nodes)[i + HR_W];
+        const uint block = (uint)~word >> 4, size = primitives_below(binary, leaf);
+        if (of_instances) {
+          word = instance_reference(leaf);
+        } else {
+          write_leaf(&geometry, binary, leaf, size, blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L));
+          word = leaf_reference(region.final_block + block, size);
+        }
+      } else if (row > HR_NODE_CHILD_ROW) {
+        word = 0;
+      }
+      ((global int*)nodes)[i] = word;
+    }
+    return;
+  }
+  WideWalk walk = start_walk(binary, &region);
+  while (walk.size > 0) {
+    Children c;
+    int child[HR_W];
+    const uint node = step_walk(&walk, binary, cuts, &c, child);
+    for (uint i = 0; i < c.size; i++) {
+      if (!c.leaf[i]) {
+        child[i] += (int)region.final_node;
+      } else if (of_instances) {
+        child[i] = instance_reference(c.reference[i]);
+      } else {
+        const uint block = (uint)~child[i] >> 4;
+        write_leaf(&geometry, binary, c.reference[i], c.primitives[i], blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L));
+        child[i] = leaf_reference(region.final_block + block, c.primitives[i]);
+      }
+    }
+    write_node(nodes + (ulong)node * HR_NODE_WORDS(HR_W), &c, child);
   }
 }

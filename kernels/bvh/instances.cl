@@ -75,26 +75,6 @@ kernel void bvh_bound_instances(global const Instance* restrict instances, globa
   partials[g] = p;
 }
 
-// The tree of instances was collapsed with one a leaf: in region g's nodes, which begin with first_node, each leaf gets
-// the instance that its only block would have held. Launch: one item a region.
-kernel void bvh_link_instances(global const CollapseRegion* restrict regions, const uint region_count,
-                               global const uint* restrict leaf_order, global const uint* restrict descriptors,
-                               global float* restrict accel_nodes, const uint first_node) {
-  const uint g = (uint)get_global_id(0);
-  if (g >= region_count) return;
-  const CollapseRegion region = regions[g];
-  for (uint n = 0; n < region.nodes; n++) {
-    global int* child = (global int*)(accel_nodes + (ulong)(region.final_node - first_node + n) * HR_NODE_WORDS(HR_W)) +
-                        HR_NODE_CHILD_ROW * HR_W;
-    for (uint i = 0; i < HR_W; i++) {
-      if (child[i] >= 0 || child[i] == -1) continue;
-      const uint block = ((uint)~child[i] >> 4) - region.final_block;
-      const uint first = descriptors[region.first_leaf + block] >> 4;
-      child[i] = (int)~((leaf_order[region.first_leaf + first] + 1) << 4);
-    }
-  }
-}
-
 // As bvh_refit_regions, for the tree of instances and their new boxes. Launch: one item a region.
 kernel void bvh_refit_instances(global const Box* restrict boxes, global const CollapseRegion* restrict regions,
                                 const uint first_region, const uint region_count, global float* accel_nodes) {

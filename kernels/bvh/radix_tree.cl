@@ -29,7 +29,7 @@ static inline void close_range(global BinaryNode* node, uint index, Range* below
 kernel void bvh_radix_chunks(global const ulong* restrict keys, const uint index_bits, const uint count,
                              global const Box* restrict boxes, global BinaryNode* restrict nodes,
                              global float* restrict arenas, const uint arena_capacity, global int2* restrict pending,
-                             global uint* restrict pending_count) {
+                             global uint* restrict pending_count, global uint2* restrict node_ranges) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
   const uint begin = chunk_begin(count, g, groups), end = chunk_begin(count, g + 1, groups);
   const ulong index_mask = (1ul << index_bits) - 1;
@@ -58,4 +58,5 @@ kernel void bvh_radix_chunks(global const ulong* restrict keys, const uint index
     pending[g * HR_SWEEP_DEPTH + e] = (int2)(1, stack[e].left);
   }
   pending_count[g] = size;
+  node_ranges[g] = (uint2)(begin, next_node);
 }

@@ -11,9 +11,17 @@ static inline void write_lane(global float* block, uint lane, Primitive p, bool 
     p.b = e1;
     p.c = e2;
   }
-  const float rows[9] = {p.a.x, p.a.y, p.a.z, p.b.x, p.b.y, p.b.z, p.c.x, p.c.y, p.c.z};
-  for (uint r = 0; r < 9; r++) block[r * HR_L + lane] = rows[r];
-  ((global uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L + lane] = primitive;
+  block += lane;
+  block[0] = p.a.x;
+  block[HR_L] = p.a.y;
+  block[2 * HR_L] = p.a.z;
+  block[3 * HR_L] = p.b.x;
+  block[4 * HR_L] = p.b.y;
+  block[5 * HR_L] = p.b.z;
+  block[6 * HR_L] = p.c.x;
+  block[7 * HR_L] = p.c.y;
+  block[8 * HR_L] = p.c.z;
+  ((global uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L] = primitive;
 }
 
 #endif

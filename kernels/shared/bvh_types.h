@@ -42,17 +42,17 @@ typedef struct BinaryNode {
 // A part of the tree that one work-item collapses. Region 0 is the top, the others hang below it.
 typedef struct CollapseRegion {
   int root;          // binary node
-  uint primitives;   // below it; region 0: in leaves that hang in the top itself
+  uint primitives;   // below it
   uint stack_load;   // entries on a traversal's stack when it comes to the root
-  uint parent_slot;  // node W + lane of the top that refers to it
-  uint draft_node;   // first of its nodes in the draft
-  uint first_leaf;   // first of its primitives in leaf order, and of its block descriptors
+  uint parent_slot;  // word of the top's draft that refers to it
   uint nodes;        // how many it has
   uint blocks;
   uint stack;       // most entries a traversal's stack can hold in it
   uint final_node;  // where its nodes and blocks go
   uint final_block;
-  uint pad;
+  uint pad0;
+  uint pad1;
+  uint pad2;
 } CollapseRegion;
 
 // What one chunk of primitives contributes to the scene's bounds (bvh/bounds.cl).
