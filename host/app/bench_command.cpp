@@ -15,6 +15,7 @@
 #include "host/app/data_files.hpp"
 #include "host/base/atomic_file.hpp"
 #include "host/base/error.hpp"
+#include "host/base/interrupt.hpp"
 #include "host/base/read_file.hpp"
 #include "host/bench/processor.hpp"
 #include "host/scene/spelling.hpp"
@@ -35,6 +36,8 @@ Every time is the median of interleaved rounds; every answer is compared with a 
 differs is INVALID. With --bars the exit code is 3 unless every bar that was measured is reached.)";
 
 constexpr int kQuickRounds = 7, kRounds = 11;
+// Six parts at two sizes: with this much for each, --quick ends within five minutes on a busy machine, too.
+constexpr double kQuickMs = 12'000.0;
 constexpr std::size_t kMaxBarsBytes = std::size_t{1} << 20U;
 
 struct BenchArguments {
@@ -138,7 +141,7 @@ void write_outputs(const BenchArguments& given, const bench::Report& report) {
   if (given.plot.empty()) return;
   const fs::path json = fs::path(given.plot) / "bench.json";
   write_file_atomically(json, bench::report_json(report));
-  plot_results(json, given.plot);
+  if (!report.interrupted) plot_results(json, given.plot);
 }
 
 int run_bench_command(const BenchArguments& given) {
@@ -150,7 +153,8 @@ int run_bench_command(const BenchArguments& given) {
   plan.quick = given.quick;
   plan.leaks = given.leaks;
   plan.engines = given.scenes.empty();
-  plan.rounds = given.rounds > 0 ? given.rounds : given.quick ? kQuickRounds : kRounds;
+  plan.effort.rounds = given.rounds > 0 ? given.rounds : given.quick ? kQuickRounds : kRounds;
+  if (given.quick && given.rounds == 0) plan.effort.enough_ms = kQuickMs;
   plan.resolution = given.resolution;
   plan.leak_rays = given.leak_rays;
   if (plan.resolution % 32 != 0) throw InputError("--resolution", "not a multiple of 32");
@@ -161,9 +165,20 @@ int run_bench_command(const BenchArguments& given) {
   }
   prepare_outputs(given);
 
-  const bench::Report report = run_bench(context, plan);
-  std::fputs(bench::report_tables(report).c_str(), stdout);
+  const InterruptGuard interrupt;
+  BenchOutput output;
+  output.show = [](const std::string& table) {
+    std::fputs(table.c_str(), stdout);
+    std::fflush(stdout);  // main() tells what went wrong
+  };
+  output.should_stop = [&interrupt] { return interrupt.interrupted(); };
+  const bench::Report report = run_bench(context, plan, output);
   write_outputs(given, report);
+  if (report.interrupted) {
+    fmt::print(stderr, "hemiray: interrupted; what was complete is in the tables{}\n",
+               given.json.empty() && given.csv.empty() && given.plot.empty() ? "" : " and files");
+    return static_cast<int>(ExitCode::interrupted);
+  }
   const bool reached = std::all_of(report.bars.begin(), report.bars.end(),
                                    [](const bench::BarResult& bar) { return bar.verdict == bench::Verdict::pass; });
   return static_cast<int>(reached ? ExitCode::ok : ExitCode::verdict);
@@ -187,7 +202,7 @@ void add_bench_command(CLI::App& app, int& exit_code) {
   command->add_option("--csv", given->csv, "Write all figures as a table")->type_name("FILE");
   command->add_option("--plot", given->plot, "Draw PNG and SVG into this folder (python3-matplotlib)")
       ->type_name("FOLDER");
-  command->add_option("--rounds", given->rounds, "Timed rounds (default: 11, with --quick 7)")
+  command->add_option("--rounds", given->rounds, "Timed rounds (default: 11, with --quick up to 7)")
       ->check(CLI::Range(1, 1000));
   command
       ->add_option("--triangles", given->triangles,

@@ -1,5 +1,7 @@
 #include "host/app/bench_contenders.hpp"
 
+#include <array>
+
 #include "host/base/error.hpp"
 #include "host/bench/device_tracer.hpp"
 #ifdef HR_HAS_EMBREE
@@ -11,13 +13,15 @@ namespace {
 
 // Each tree takes about a gigabyte at ten million triangles: above this only what matters most is compared.
 constexpr std::size_t kMostTrianglesOfAll = 3'000'000;
+// Trees of cells take several times as long to build and to trace.
+constexpr std::size_t kMostTrianglesOfCells = 1'000'000;
 
 using bench::TraceMode;
 using Workshop = std::shared_ptr<bench::DeviceWorkshop>;
 
 void add_device(const Workshop& workshop, bench::Tracers& tracers, TreeBuilder tree, TriangleTest triangles,
                 TraceMode mode) {
-  tracers.push_back(bench::make_device_tracer(workshop, {tree, triangles, mode}));
+  tracers.push_back(bench::make_device_tracer(workshop, {tree, triangles, mode, AccelKind::bvh}));
 }
 
 void add_quality_tree(const Workshop& workshop, bench::Tracers& tracers) {
@@ -28,10 +32,20 @@ void add_quality_tree(const Workshop& workshop, bench::Tracers& tracers) {
   }
 }
 
+void add_trees_of_cells(const Workshop& workshop, bench::Tracers& tracers) {
+  for (const AccelKind kind : {AccelKind::octree, AccelKind::kdtree, AccelKind::kdtree_median}) {
+    bench::DeviceTracerSettings settings;
+    settings.kind = kind;
+    tracers.push_back(bench::make_device_tracer(workshop, settings));
+  }
+}
+
 #ifdef HR_HAS_EMBREE
 
 using bench::EmbreeMode;
 using bench::EmbreeQuality;
+
+constexpr std::array kEmbreeModes{EmbreeMode::single, EmbreeMode::eight, EmbreeMode::sixteen, EmbreeMode::stream};
 
 void add_embree(bench::Tracers& tracers, const ContenderOptions& options, EmbreeQuality quality, bool robust,
                 EmbreeMode mode) {
@@ -42,9 +56,7 @@ void add_peers(bench::Tracers& tracers, const ContenderOptions& options, std::si
   const auto add = [&](EmbreeQuality quality, bool robust, EmbreeMode mode) {
     add_embree(tracers, options, quality, robust, mode);
   };
-  for (const EmbreeMode mode : {EmbreeMode::single, EmbreeMode::eight, EmbreeMode::sixteen, EmbreeMode::stream}) {
-    add(EmbreeQuality::medium, false, mode);
-  }
+  for (const EmbreeMode mode : kEmbreeModes) add(EmbreeQuality::medium, false, mode);
   add(EmbreeQuality::medium, true, EmbreeMode::single);
   add(EmbreeQuality::low, false, EmbreeMode::single);
   if (options.quick) return;
@@ -56,8 +68,7 @@ void add_peers(bench::Tracers& tracers, const ContenderOptions& options, std::si
 
 void add_leak_peers(bench::Tracers& tracers, const ContenderOptions& options) {
   for (const bool robust : {false, true}) {
-    add_embree(tracers, options, EmbreeQuality::medium, robust, EmbreeMode::single);
-    add_embree(tracers, options, EmbreeQuality::medium, robust, EmbreeMode::sixteen);
+    for (const EmbreeMode mode : kEmbreeModes) add_embree(tracers, options, EmbreeQuality::medium, robust, mode);
   }
 }
 
@@ -89,6 +100,7 @@ bench::Tracers make_tracers(Context& context, const ContenderOptions& options, s
   if (!options.quick && triangles <= kMostTrianglesOfAll) {
     add_device(workshop, tracers, TreeBuilder::fast, TriangleTest::watertight, TraceMode::single);
   }
+  if (!options.quick && triangles <= kMostTrianglesOfCells) add_trees_of_cells(workshop, tracers);
   return tracers;
 }
 

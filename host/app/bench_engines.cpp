@@ -45,12 +45,10 @@ std::vector<bench::EngineTimes> run_scene(Context& context, const std::string& n
 
 }  // namespace
 
-std::vector<bench::EngineTimes> run_engines(Context& context, int rounds, const bench::Tick& tick) {
-  std::vector<bench::EngineTimes> all;
+void run_engines(Context& context, int rounds, std::vector<bench::EngineTimes>& results, const bench::Tick& tick) {
   for (const char* name : {"cornell_box", "glass_and_mirror"}) {
-    for (bench::EngineTimes& times : run_scene(context, name, rounds, tick)) all.push_back(std::move(times));
+    for (bench::EngineTimes& times : run_scene(context, name, rounds, tick)) results.push_back(std::move(times));
   }
-  return all;
 }
 
 }  // namespace hemiray::app

@@ -31,7 +31,7 @@ bench::Machine describe(const Context& context, const BenchPlan& plan, unsigned 
   machine.version = kVersion;
   machine.commit = kCommit;
   if (plan.peers) machine.peer = peer_name();
-  machine.rounds = plan.rounds;
+  machine.rounds = plan.effort.rounds;
   return machine;
 }
 
@@ -50,38 +50,69 @@ bench::BenchScene file_scene(const std::string& file, std::vector<std::string>& 
   return measured;
 }
 
-// The progress line over all that is to be done, in turns of about equal length.
-class Turns {
+// Thrown out of what is being measured when the user wants no more.
+struct Stopped {};
+
+// Estimated work of measuring a scene of so many triangles, beside that of a small one.
+double work_of(std::size_t triangles) { return 1.0 + static_cast<double>(triangles) / 1e6; }
+constexpr double kEnginesWork = 1.0, kLeaksWork = 2.0;
+
+// Shows how far everything is, and what is known: a progress line on stderr, wiped where a table takes its place.
+class Display {
  public:
-  explicit Turns(std::size_t parts) : progress_("bench", true), parts_(parts) {}
-  void start_part(std::size_t turns) {
+  Display(const BenchPlan& plan, const BenchOutput& output) : output_(&output), progress_("bench", true) {
+    for (const BenchTarget& target : plan.targets) all_ += work_of(target.triangles);
+    all_ += (plan.engines ? kEnginesWork : 0.0) + (plan.leaks ? kLeaksWork : 0.0);
+  }
+
+  void start_part(double work, std::size_t turns) {
+    done_ += part_;
+    part_ = work;
     turns_ = turns;
     turn_ = 0;
+    check();
   }
-  void end_part() { part_++; }
   bench::Tick tick() {
     return [this] {
       turn_++;
       const double within = std::min(1.0, static_cast<double>(turn_) / static_cast<double>(std::max(turns_, turn_)));
-      progress_.update((static_cast<double>(part_) + within) / static_cast<double>(parts_), 0.0);
+      progress_.update((done_ + within * part_) / all_, 0.0);
+      check();
     };
+  }
+  void show(const std::string& text) {
+    progress_.clear();
+    output_->show(text);
   }
 
  private:
+  void check() const {
+    if (output_->should_stop()) throw Stopped{};
+  }
+
+  const BenchOutput* output_;
   Progress progress_;
-  std::size_t parts_, part_ = 0, turns_ = 1, turn_ = 0;
+  double all_ = 0.0, done_ = 0.0, part_ = 0.0;  // work
+  std::size_t turns_ = 1, turn_ = 0;            // of the part
 };
 
-bench::SceneResults measure(Context& context, const BenchPlan& plan, const ContenderOptions& options,
-                            const bench::BenchScene& scene, const BenchTarget& target, Turns& turns) {
+void measure_scene(Context& context, const BenchPlan& plan, const ContenderOptions& options, const BenchTarget& target,
+                   bench::Report& report, Display& display) {
+  const std::size_t notes = report.notes.size();
+  const bench::BenchScene scene = target.triangles > 0 ? bench::procedural_scene(target.name, target.triangles)
+                                                       : file_scene(target.name, report.notes);
   bench::SceneResults results;
   results.scene = scene.name;
   results.wanted_triangles = target.triangles;
   results.triangles = scene.flat.triangles.size();
   const bench::Tracers tracers = make_tracers(context, options, results.triangles);
-  turns.start_part((static_cast<std::size_t>(plan.rounds) + 1) * tracers.size() * 5);
+  display.start_part(work_of(target.triangles),
+                     (static_cast<std::size_t>(plan.effort.rounds) + 1) * tracers.size() * 5);
   for (const auto& tracer : tracers) tracer->offer_instances(scene.instanced ? &*scene.instanced : nullptr);
-  results.builds = bench::run_builds(tracers, scene.flat, plan.rounds, turns.tick());
+  results.builds = bench::run_builds(tracers, scene.flat, plan.effort, display.tick());
+  display.show(bench::builds_table(results));
+  for (std::size_t i = notes; i < report.notes.size(); i++) display.show("note: " + report.notes[i] + "\n");
+  report.scenes.push_back(std::move(results));
   bench::Tracer& guide = *tracers.front();
   const auto closest_hits = [&guide](std::span<const shared::QueryRay> rays) {
     guide.load_rays(rays);
@@ -89,17 +120,31 @@ bench::SceneResults measure(Context& context, const BenchPlan& plan, const Conte
     return guide.hits();
   };
   for (const bench::RaySet& set : bench::make_ray_sets(scene, plan.resolution, closest_hits)) {
-    for (bench::TraceTimes& times : bench::run_traces(tracers, set, plan.rounds, turns.tick())) {
-      results.traces.push_back(std::move(times));
-    }
+    const std::vector<bench::TraceTimes> times = bench::run_traces(tracers, set, plan.effort, display.tick());
+    display.show(bench::traces_table(times));
+    std::vector<bench::TraceTimes>& traces = report.scenes.back().traces;
+    traces.insert(traces.end(), times.begin(), times.end());
   }
-  turns.end_part();
-  return results;
+}
+
+void measure_engines(Context& context, const BenchPlan& plan, bench::Report& report, Display& display) {
+  const int rounds = std::min(plan.effort.rounds, kMostEngineRounds);
+  display.start_part(kEnginesWork, 4 * (static_cast<std::size_t>(rounds) + 1));
+  run_engines(context, rounds, report.engines, display.tick());
+  display.show(bench::engines_table(report.engines));
+}
+
+void measure_leaks(Context& context, const BenchPlan& plan, const ContenderOptions& options, bench::Report& report,
+                   Display& display) {
+  const bench::Tracers tracers = make_leak_tracers(context, options);
+  display.start_part(kLeaksWork, 8 * tracers.size());
+  bench::run_leaks(tracers, bench::kLeakCells, plan.leak_rays, report.leaks, display.tick());
+  display.show(bench::leaks_table(report.leaks));
 }
 
 }  // namespace
 
-bench::Report run_bench(Context& context, const BenchPlan& plan) {
+bench::Report run_bench(Context& context, const BenchPlan& plan, const BenchOutput& output) {
   ContenderOptions options;
   options.peers = plan.peers;
   options.quick = plan.quick;
@@ -110,25 +155,18 @@ bench::Report run_bench(Context& context, const BenchPlan& plan) {
 
   bench::Report report;
   report.machine = describe(context, plan, options.threads);
-  Turns turns(plan.targets.size() + (plan.engines ? 1 : 0) + (plan.leaks ? 1 : 0));
-  for (const BenchTarget& target : plan.targets) {
-    const bench::BenchScene scene = target.triangles > 0 ? bench::procedural_scene(target.name, target.triangles)
-                                                         : file_scene(target.name, report.notes);
-    report.scenes.push_back(measure(context, plan, options, scene, target, turns));
-  }
-  if (plan.engines) {
-    const int rounds = std::min(plan.rounds, kMostEngineRounds);
-    turns.start_part(4 * (static_cast<std::size_t>(rounds) + 1));
-    report.engines = run_engines(context, rounds, turns.tick());
-    turns.end_part();
-  }
-  if (plan.leaks) {
-    const bench::Tracers tracers = make_leak_tracers(context, options);
-    turns.start_part(8 * tracers.size());
-    report.leaks = bench::run_leaks(tracers, bench::kLeakCells, plan.leak_rays, turns.tick());
-    turns.end_part();
+  Display display(plan, output);
+  display.show(bench::machine_table(report.machine));
+  try {
+    for (const BenchTarget& target : plan.targets) measure_scene(context, plan, options, target, report, display);
+    if (plan.engines) measure_engines(context, plan, report, display);
+    if (plan.leaks) measure_leaks(context, plan, options, report, display);
+  } catch (const Stopped&) {
+    report.interrupted = true;  // a bar is not judged by half of what it needs
+    return report;
   }
   report.bars = bench::judge_bars(plan.bars, report.machine.processor_class, report.scenes, report.leaks);
+  if (!report.bars.empty()) display.show(bench::bars_table(report.machine, report.bars));
   return report;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,13 +22,20 @@ struct BenchPlan {
   std::vector<BenchTarget> targets;
   std::vector<bench::Bar> bars;  ///< to judge; empty: none
   bool peers = false, quick = false, leaks = false, engines = false;
-  int rounds = 1;  ///< timed ones
+  bench::Effort effort;  ///< for the builds and for each set of rays
   std::uint32_t resolution = 1024;
   std::uint32_t leak_rays = 1U << 20U;
 };
 
-/// Measures everything in the plan on the context's device, with progress on stderr. Throws InputError for scenes that
-/// cannot be loaded or measured, DeviceError where the device fails.
-bench::Report run_bench(Context& context, const BenchPlan& plan);
+/// Where a run's output goes while it lasts.
+struct BenchOutput {
+  std::function<void(const std::string&)> show;  ///< takes a table as soon as it is complete
+  std::function<bool()> should_stop;             ///< asked after each turn
+};
+
+/// Measures everything in the plan on the context's device, with progress on stderr. Stopped, it returns what is
+/// complete, without verdicts, as interrupted. Throws InputError for scenes that cannot be loaded or measured,
+/// DeviceError where the device fails.
+bench::Report run_bench(Context& context, const BenchPlan& plan, const BenchOutput& output);
 
 }  // namespace hemiray::app

@@ -100,9 +100,13 @@ void Progress::update(double fraction, double rays_per_second) {
   drawn_ = line.size();
 }
 
-void Progress::finish() {
+void Progress::clear() {
   if (drawn_ > 0) write_to_stderr("\r" + std::string(std::min(drawn_, terminal_columns() - 1), ' ') + "\r");
   drawn_ = 0;
+}
+
+void Progress::finish() {
+  clear();
   active_ = false;
 }
 

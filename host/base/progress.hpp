@@ -32,6 +32,8 @@ class Progress {
   void update(double fraction, double rays_per_second);
   /// Clears the line. Later updates draw nothing.
   void finish();
+  /// Wipes the line, for other output to take its place; update() draws it again.
+  void clear();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -43,6 +43,16 @@ class DeviceTracer final : public Tracer {
            (in_packets() ? "/packet" : "/single");
   }
   std::string build_name() const override {
+    switch (settings_.kind) {
+      case AccelKind::octree:
+        return "device/octree";
+      case AccelKind::kdtree:
+        return "device/kdtree";
+      case AccelKind::kdtree_median:
+        return "device/kdtree-median";
+      case AccelKind::bvh:
+        break;
+    }
     return settings_.tree == TreeBuilder::quality ? "device/quality" : "device/fast";
   }
   bool in_packets() const override { return settings_.mode == TraceMode::packet; }
@@ -56,7 +66,9 @@ class DeviceTracer final : public Tracer {
     AccelOptions options;
     options.builder = settings_.tree;
     options.triangle_test = settings_.triangles;
-    build_ = std::make_shared<DeviceBuild>(*workshop_, instanced_ != nullptr ? *instanced_ : flat, options);
+    options.kind = settings_.kind;
+    const bool has_instances = instanced_ != nullptr && settings_.kind == AccelKind::bvh;
+    build_ = std::make_shared<DeviceBuild>(*workshop_, has_instances ? *instanced_ : flat, options);
     context().finish();
     stages_ = difference(before, context().profiler().stages());
     return build_->accel.statistics().build_ms;
@@ -64,7 +76,7 @@ class DeviceTracer final : public Tracer {
   bool share_build(const Tracer& other) override {
     const auto* tracer = dynamic_cast<const DeviceTracer*>(&other);
     // The triangle tests lay their leaf blocks out differently.
-    if (tracer == nullptr || !tracer->build_ || tracer->settings_.tree != settings_.tree ||
+    if (tracer == nullptr || !tracer->build_ || tracer->build_name() != build_name() ||
         tracer->settings_.triangles != settings_.triangles) {
       return false;
     }
@@ -77,6 +89,7 @@ class DeviceTracer final : public Tracer {
     if (!build_ || build_->scene.instance_count() > 0) return std::nullopt;  // facts are of a single tree
     const Accel& accel = build_->accel;
     const AccelStatistics& made = accel.statistics();
+    if (settings_.kind != AccelKind::bvh) return cell_tree_facts();
     const std::vector<float> nodes = accel.nodes().read(0, made.nodes * accel.config().node_words());
     return tree_facts(nodes, accel.config().width, made.primitives, made.blocks, accel.config().leaf_lanes);
   }
@@ -108,6 +121,20 @@ class DeviceTracer final : public Tracer {
 
  private:
   Context& context() { return *workshop_->context; }
+  // What its build tells: these nodes are none of tree_facts()'s.
+  [[nodiscard]] TreeFacts cell_tree_facts() const {
+    const Accel& accel = build_->accel;
+    const AccelStatistics& made = accel.statistics();
+    TreeFacts facts;
+    facts.depth = static_cast<int>(made.depth);
+    facts.nodes = made.nodes;
+    facts.blocks = made.blocks;
+    facts.bytes = accel.nodes().bytes() + accel.blocks().bytes();
+    const double lanes = static_cast<double>(made.blocks) * accel.config().leaf_lanes;
+    if (lanes > 0) facts.block_fill = made.references / lanes;
+    if (made.primitives > 0) facts.references = static_cast<double>(made.references) / made.primitives;
+    return facts;
+  }
   RayQueries& queries() {
     if (!queries_) throw std::logic_error("a question before its rays");
     return *queries_;

@@ -16,6 +16,7 @@ struct DeviceTracerSettings {
   TreeBuilder tree = TreeBuilder::quality;
   TriangleTest triangles = TriangleTest::watertight;
   TraceMode mode = TraceMode::single;
+  AccelKind kind = AccelKind::bvh;  ///< any other goes by single rays and leaves `tree` out
 };
 
 /// The programs and working memory that all tracers of a device build with. The context must outlive it.
@@ -27,8 +28,8 @@ struct DeviceWorkshop {
   AccelBuilder builder;
 };
 
-/// Named "device/TREE/TRIANGLES/MODE", such as "device/quality/watertight/single". Members throw DeviceError where the
-/// device fails.
+/// Named "device/TREE/TRIANGLES/MODE", such as "device/quality/watertight/single" or "device/octree/fast/single".
+/// Members throw DeviceError where the device fails.
 std::unique_ptr<Tracer> make_device_tracer(std::shared_ptr<DeviceWorkshop> workshop,
                                            const DeviceTracerSettings& settings);
 

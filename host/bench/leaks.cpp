@@ -19,8 +19,8 @@ LeakResult count_for(Tracer& tracer, const std::vector<shared::QueryRay>& rays) 
 
 }  // namespace
 
-std::vector<LeakResult> run_leaks(const Tracers& tracers, std::uint32_t cells, std::uint32_t rays, const Tick& tick) {
-  std::vector<LeakResult> results;
+void run_leaks(const Tracers& tracers, std::uint32_t cells, std::uint32_t rays, std::vector<LeakResult>& results,
+               const Tick& tick) {
   for (const LeakMesh& mesh : leak_meshes(cells)) {
     for (const auto& tracer : tracers) tracer->build(mesh.flat);
     for (const LeakTarget target : {LeakTarget::edges, LeakTarget::vertices}) {
@@ -34,7 +34,6 @@ std::vector<LeakResult> run_leaks(const Tracers& tracers, std::uint32_t cells, s
       }
     }
   }
-  return results;
 }
 
 }  // namespace hemiray::bench

@@ -20,8 +20,8 @@ struct LeakResult {
 };
 
 /// Builds each mesh (of 12 cells^2 triangles) with every tracer and counts the leaks of `rays` rays (a multiple of 64)
-/// at its edges, and of as many at its vertices. Nothing is timed.
-std::vector<LeakResult> run_leaks(const Tracers& tracers, std::uint32_t cells, std::uint32_t rays,
-                                  const Tick& tick = {});
+/// at its edges, and of as many at its vertices, into `results`. Nothing is timed.
+void run_leaks(const Tracers& tracers, std::uint32_t cells, std::uint32_t rays, std::vector<LeakResult>& results,
+               const Tick& tick = {});
 
 }  // namespace hemiray::bench

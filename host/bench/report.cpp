@@ -14,85 +14,14 @@ using nlohmann::ordered_json;
 
 std::string size_name(std::size_t triangles) { return format_count(triangles); }
 
-std::string scene_title(const SceneResults& scene) {
-  return fmt::format("{}, {} triangles", scene.scene, size_name(scene.triangles));
-}
-
-std::string builds_table(const SceneResults& scene) {
-  std::string text = fmt::format("{:<36}{:>10}{:>10}{:>10}  {}\n", "build [ms]", "median", "least", "most", "tree");
-  for (const BuildTimes& build : scene.builds) {
-    text +=
-        fmt::format("  {:<34}{:>10.2f}{:>10.2f}{:>10.2f}", build.tree, build.ms.median, build.ms.least, build.ms.most);
-    if (build.facts) {
-      const TreeFacts& f = *build.facts;
-      text += fmt::format("  SAH {:.1f}, depth {}, {} nodes {:.0f} % full, {} blocks {:.0f} % full, {}", f.sah_cost,
-                          f.depth, format_count(f.nodes), 100.0 * f.node_fill, format_count(f.blocks),
-                          100.0 * f.block_fill, format_bytes(f.bytes));
-    }
-    text += '\n';
-    for (const StageTime& stage : build.stages) {
-      text += fmt::format("    {:<32}{:>10.2f}  in {} launches\n", stage.name, stage.milliseconds, stage.launches);
-    }
-  }
-  return text;
-}
-
-// Rates of all tracers over one ray set, and how each stands to the first.
-std::string traces_table(const SceneResults& scene) {
-  std::string text, set;
-  double first = 0.0;
-  for (const TraceTimes& trace : scene.traces) {
-    const double rate = mrays_per_second(trace);
-    if (trace.rays != set) {
-      set = trace.rays;
-      first = rate;
-      text += fmt::format("{:<36}{:>10}{:>10}{:>10}{:>8}  {}\n", fmt::format("{} [Mrays/s]", set), "median", "least",
-                          "most", "ratio", "answers");
-    }
-    const auto of = [&](double ms) { return static_cast<double>(trace.ray_count) / (ms * 1e3); };
-    text +=
-        fmt::format("  {:<34}{:>10.2f}{:>10.2f}{:>10.2f}{:>8.2f}  {}{} differ\n", trace.tracer, rate, of(trace.ms.most),
-                    of(trace.ms.least), rate / first, trace.valid ? "" : "INVALID: ", trace.disagreements);
-  }
-  return text;
-}
-
-std::string leaks_table(const std::vector<LeakResult>& leaks) {
-  std::string text = fmt::format("{:<22}{:<10}{:<36}{:>10}{:>13}{:>10}\n", "leaks out of", "through", "tracer", "rays",
-                                 "closest hit", "any hit");
-  for (const LeakResult& leak : leaks) {
-    text += fmt::format("  {:<20}{:<10}{:<36}{:>10}{:>13}{:>10}\n", leak.mesh, leak.target, leak.tracer, leak.rays,
-                        leak.closest_hit_leaks, leak.any_hit_leaks);
-  }
-  return text;
-}
-
-std::string engines_table(const std::vector<EngineTimes>& engines) {
-  std::string text =
-      fmt::format("{:<36}{:>10}{:>10}{:>10}{:>12}\n", "engines [ms]", "median", "least", "most", "Mrays/s");
-  for (const EngineTimes& e : engines) {
-    text += fmt::format("  {:<34}{:>10.2f}{:>10.2f}{:>10.2f}{:>12.2f}{}\n", fmt::format("{} {}", e.scene, e.engine),
-                        e.ms.median, e.ms.least, e.ms.most, static_cast<double>(e.rays) / (e.ms.median * 1e3),
-                        e.valid ? "" : "  INVALID: the pictures differ");
-  }
-  return text;
-}
-
-std::string bars_table(const Report& report) {
-  std::string text = fmt::format("bars for {} ({}), {} threads\n", report.machine.processor,
-                                 report.machine.processor_class, report.machine.threads);
-  for (const BarResult& bar : report.bars) {
-    std::string what = bar.label;
-    if (bar.triangles > 0) what += fmt::format(", {} triangles", size_name(bar.triangles));
-    std::string measured = "-";
-    if (bar.verdict != Verdict::not_measured) {
-      measured = bar.kind == BarKind::leaks ? fmt::format("{:.0f}", bar.measured) : fmt::format("{:.2f}", bar.measured);
-    }
-    text += fmt::format("{:<12} {:<62} {:>7}, bar {} {:g}{}\n", to_string(bar.verdict), what, measured,
-                        bar.higher_is_better ? "at least" : "at most", bar.bar,
-                        bar.best_peer.empty() ? "" : fmt::format(" ({})", bar.best_peer));
-  }
-  return text;
+// A tree in words; what does not apply to it is left out.
+std::string describe(const TreeFacts& f) {
+  std::string text = f.sah_cost > 0 ? fmt::format("SAH {:.1f}, ", f.sah_cost) : "";
+  text += fmt::format("depth {}, {} nodes", f.depth, format_count(f.nodes));
+  if (f.node_fill > 0) text += fmt::format(" {:.0f} % full", 100.0 * f.node_fill);
+  text += fmt::format(", {} blocks {:.0f} % full", format_count(f.blocks), 100.0 * f.block_fill);
+  if (f.references > 1) text += fmt::format(", {:.1f} references a triangle", f.references);
+  return text + ", " + format_bytes(f.bytes);
 }
 
 ordered_json to_json(const Spread& spread) {
@@ -108,10 +37,10 @@ ordered_json to_json(const SceneResults& scene) {
     }
     ordered_json facts = nullptr;
     if (build.facts) {
-      facts = {{"sah_cost", build.facts->sah_cost},   {"depth", build.facts->depth},
-               {"node_fill", build.facts->node_fill}, {"block_fill", build.facts->block_fill},
-               {"nodes", build.facts->nodes},         {"blocks", build.facts->blocks},
-               {"bytes", build.facts->bytes}};
+      facts = {{"sah_cost", build.facts->sah_cost},     {"depth", build.facts->depth},
+               {"node_fill", build.facts->node_fill},   {"block_fill", build.facts->block_fill},
+               {"references", build.facts->references}, {"nodes", build.facts->nodes},
+               {"blocks", build.facts->blocks},         {"bytes", build.facts->bytes}};
     }
     builds.push_back({{"tree", build.tree}, {"ms", to_json(build.ms)}, {"stages", stages}, {"facts", facts}});
   }
@@ -157,25 +86,89 @@ std::string csv_field(const std::string& text) {
 
 }  // namespace
 
-std::string report_tables(const Report& report) {
-  const Machine& m = report.machine;
-  std::string text =
-      fmt::format("device     {} ({}), driver {}\nprocessor  {}{}, {} threads\nhemiray    {} ({}){}{}\n", m.device,
-                  m.platform, m.driver, m.processor, m.processor_class.empty() ? "" : " (" + m.processor_class + ")",
-                  m.threads, m.version, m.commit, m.peer.empty() ? "" : ", beside " + m.peer,
-                  fmt::format(", medians of {} interleaved rounds", m.rounds));
-  for (const std::string& note : report.notes) text += "note       " + note + '\n';
-  for (const SceneResults& scene : report.scenes) {
-    text += "\n" + scene_title(scene) + "\n" + builds_table(scene) + traces_table(scene);
+std::string machine_table(const Machine& m) {
+  return fmt::format("device     {} ({}), driver {}\nprocessor  {}{}, {} threads\nhemiray    {} ({}){}{}\n", m.device,
+                     m.platform, m.driver, m.processor, m.processor_class.empty() ? "" : " (" + m.processor_class + ")",
+                     m.threads, m.version, m.commit, m.peer.empty() ? "" : ", beside " + m.peer,
+                     fmt::format(", medians of up to {} interleaved rounds", m.rounds));
+}
+
+std::string builds_table(const SceneResults& scene) {
+  std::string text = fmt::format("\n{}, {} triangles\n{:<40}{:>10}{:>10}{:>10}  {}\n", scene.scene,
+                                 size_name(scene.triangles), "build [ms]", "median", "least", "most", "tree");
+  for (const BuildTimes& build : scene.builds) {
+    text +=
+        fmt::format("  {:<38}{:>10.2f}{:>10.2f}{:>10.2f}", build.tree, build.ms.median, build.ms.least, build.ms.most);
+    if (build.facts) {
+      text += "  " + describe(*build.facts);
+    }
+    text += '\n';
+    for (const StageTime& stage : build.stages) {
+      text += fmt::format("    {:<36}{:>10.2f}  in {} launches\n", stage.name, stage.milliseconds, stage.launches);
+    }
   }
-  if (!report.engines.empty()) text += "\n" + engines_table(report.engines);
-  if (!report.leaks.empty()) text += "\n" + leaks_table(report.leaks);
-  if (!report.bars.empty()) text += "\n" + bars_table(report);
+  return text;
+}
+
+std::string traces_table(const std::vector<TraceTimes>& traces) {
+  std::string text;
+  for (const TraceTimes& trace : traces) {
+    if (text.empty()) {
+      text = fmt::format("{:<40}{:>10}{:>10}{:>10}{:>8}  {}\n", fmt::format("{} [Mrays/s]", trace.rays), "median",
+                         "least", "most", "ratio", "answers");
+    }
+    const auto of = [&](double ms) { return static_cast<double>(trace.ray_count) / (ms * 1e3); };
+    text +=
+        fmt::format("  {:<38}{:>10.2f}{:>10.2f}{:>10.2f}{:>8.2f}  {}{} differ\n", trace.tracer, of(trace.ms.median),
+                    of(trace.ms.most), of(trace.ms.least), mrays_per_second(trace) / mrays_per_second(traces.front()),
+                    trace.valid ? "" : "INVALID: ", trace.disagreements);
+  }
+  return text;
+}
+
+std::string leaks_table(const std::vector<LeakResult>& leaks) {
+  std::string text = fmt::format("\n{:<22}{:<10}{:<36}{:>10}{:>13}{:>10}\n", "leaks out of", "through", "tracer",
+                                 "rays", "closest hit", "any hit");
+  for (const LeakResult& leak : leaks) {
+    text += fmt::format("  {:<20}{:<10}{:<36}{:>10}{:>13}{:>10}\n", leak.mesh, leak.target, leak.tracer, leak.rays,
+                        leak.closest_hit_leaks, leak.any_hit_leaks);
+  }
+  return text;
+}
+
+std::string engines_table(const std::vector<EngineTimes>& engines) {
+  std::string text =
+      fmt::format("\n{:<36}{:>10}{:>10}{:>10}{:>12}\n", "engines [ms]", "median", "least", "most", "Mrays/s");
+  for (const EngineTimes& e : engines) {
+    text += fmt::format("  {:<34}{:>10.2f}{:>10.2f}{:>10.2f}{:>12.2f}{}\n", fmt::format("{} {}", e.scene, e.engine),
+                        e.ms.median, e.ms.least, e.ms.most, static_cast<double>(e.rays) / (e.ms.median * 1e3),
+                        e.valid ? "" : "  INVALID: the pictures differ");
+  }
+  return text;
+}
+
+std::string bars_table(const Machine& machine, const std::vector<BarResult>& bars) {
+  std::string text =
+      fmt::format("\nbars for {} ({}), {} threads\n", machine.processor, machine.processor_class, machine.threads);
+  for (const BarResult& bar : bars) {
+    std::string what = bar.label;
+    if (bar.triangles > 0) what += fmt::format(", {} triangles", size_name(bar.triangles));
+    std::string measured = "-";
+    if (bar.verdict != Verdict::not_measured) {
+      measured = bar.kind == BarKind::leaks ? fmt::format("{:.0f}", bar.measured) : fmt::format("{:.2f}", bar.measured);
+    }
+    text += fmt::format("{:<12} {:<62} {:>7}, bar {} {:g}{}\n", to_string(bar.verdict), what, measured,
+                        bar.higher_is_better ? "at least" : "at most", bar.bar,
+                        bar.best_peer.empty() ? "" : fmt::format(" ({})", bar.best_peer));
+  }
   return text;
 }
 
 std::string report_json(const Report& report) {
-  ordered_json json{{"hemiray_bench", 1}, {"machine", to_json(report.machine)}, {"notes", report.notes}};
+  ordered_json json{{"hemiray_bench", 1},
+                    {"machine", to_json(report.machine)},
+                    {"notes", report.notes},
+                    {"interrupted", report.interrupted}};
   for (const char* part : {"scenes", "engines", "leaks", "bars"}) json[part] = ordered_json::array();
   for (const SceneResults& scene : report.scenes) json["scenes"].push_back(to_json(scene));
   for (const EngineTimes& e : report.engines) {

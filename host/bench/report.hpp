@@ -17,11 +17,19 @@ struct Report {
   std::vector<LeakResult> leaks;
   std::vector<BarResult> bars;
   std::vector<std::string> notes;
+  bool interrupted = false;  ///< only what was complete by then is there
 };
 
-/// Where it was measured, and each part that is not empty, for people.
-std::string report_tables(const Report& report);
-/// The same without what report_tables() does in words: medians, spreads, disagreements; ends in a newline.
+/// Parts of a report for people, in the order in which they become known; each ends in a newline.
+std::string machine_table(const Machine& machine);
+std::string builds_table(const SceneResults& scene);  ///< with the scene's name
+/// Of tracers over one ray set, each beside the first.
+std::string traces_table(const std::vector<TraceTimes>& traces);
+std::string engines_table(const std::vector<EngineTimes>& engines);
+std::string leaks_table(const std::vector<LeakResult>& leaks);
+std::string bars_table(const Machine& machine, const std::vector<BarResult>& bars);
+
+/// All figures: medians, spreads, disagreements; ends in a newline.
 std::string report_json(const Report& report);
 /// One line a measurement, with a line of names first; numbers in C notation.
 std::string report_csv(const Report& report);

@@ -14,6 +14,20 @@ double milliseconds_of(const std::function<void()>& work) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+// When an effort is over; the first round, 0, is not timed.
+class Rounds {
+ public:
+  explicit Rounds(const Effort& effort) : effort_(effort), start_(std::chrono::steady_clock::now()) {}
+  [[nodiscard]] bool end_after(int round) const {
+    const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start_;
+    return round >= effort_.rounds || (round >= kLeastRounds && taken.count() >= effort_.enough_ms);
+  }
+
+ private:
+  Effort effort_;
+  std::chrono::steady_clock::time_point start_;
+};
+
 // A tracer's answers to one set; one of the two is empty.
 struct Answers {
   std::vector<shared::QueryHit> hits;
@@ -75,7 +89,8 @@ std::size_t count_disagreements(std::span<const std::uint32_t> a, std::span<cons
   return count_differences(a, b, [](std::uint32_t x, std::uint32_t y) { return x == y; });
 }
 
-std::vector<BuildTimes> run_builds(const Tracers& tracers, const FlatScene& flat, int rounds, const Tick& tick) {
+std::vector<BuildTimes> run_builds(const Tracers& tracers, const FlatScene& flat, const Effort& effort,
+                                   const Tick& tick) {
   std::vector<Tracer*> builders;
   std::vector<BuildTimes> times;
   for (const auto& tracer : tracers) {
@@ -85,12 +100,15 @@ std::vector<BuildTimes> run_builds(const Tracers& tracers, const FlatScene& flat
     times.push_back({tree, {}, {}, {}});
   }
   std::vector<std::vector<double>> ms(builders.size());
-  for (int round = 0; round <= rounds; round++) {
+  const Rounds rounds(effort);
+  bool last = false;
+  for (int round = 0; !last; round++) {
     for (std::size_t i = 0; i < builders.size(); i++) {
       const double taken = builders[i]->build(flat);
       if (round > 0) ms[i].push_back(taken);
       if (tick) tick();
     }
+    last = rounds.end_after(round);
   }
   for (std::size_t i = 0; i < builders.size(); i++) {
     times[i].ms = spread_of(ms[i]);
@@ -105,7 +123,7 @@ std::vector<BuildTimes> run_builds(const Tracers& tracers, const FlatScene& flat
   return times;
 }
 
-std::vector<TraceTimes> run_traces(const Tracers& tracers, const RaySet& set, int rounds, const Tick& tick) {
+std::vector<TraceTimes> run_traces(const Tracers& tracers, const RaySet& set, const Effort& effort, const Tick& tick) {
   std::vector<Tracer*> taking_part;
   std::vector<TraceTimes> times;
   for (const auto& tracer : tracers) {
@@ -116,14 +134,17 @@ std::vector<TraceTimes> run_traces(const Tracers& tracers, const RaySet& set, in
   }
   if (taking_part.empty()) return times;
   std::vector<std::vector<double>> ms(taking_part.size());
-  for (int round = 0; round <= rounds; round++) {
+  const Rounds rounds(effort);
+  bool last = false;
+  for (int round = 0; !last; round++) {
     for (std::size_t i = 0; i < taking_part.size(); i++) {
       Tracer& tracer = *taking_part[i];
       const double taken = milliseconds_of([&] { set.any_hit ? tracer.occluded() : tracer.intersect(); });
       if (round > 0) ms[i].push_back(taken);
       if (tick) tick();
     }
-    if (round == 0 || round == rounds) verify(taking_part, set, times);
+    last = rounds.end_after(round);
+    if (round == 0 || last) verify(taking_part, set, times);
   }
   for (std::size_t i = 0; i < times.size(); i++) times[i].ms = spread_of(ms[i]);
   judge(times);

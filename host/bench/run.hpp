@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -49,16 +50,26 @@ bool same_hit(const shared::QueryHit& a, const shared::QueryHit& b);
 std::size_t count_disagreements(std::span<const shared::QueryHit> a, std::span<const shared::QueryHit> b);
 std::size_t count_disagreements(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b);
 
-/// Called after each turn.
+/// Called after each turn; what it throws ends the run, and what was not complete is lost.
 using Tick = std::function<void()>;
 
-/// Builds each tree once untimed and `rounds` >= 1 times timed. One tracer for each build_name() builds; the others
-/// share what it has built where they can, and build their own, untimed, where they cannot.
-std::vector<BuildTimes> run_builds(const Tracers& tracers, const FlatScene& flat, int rounds, const Tick& tick = {});
+/// How often everybody takes a turn: `rounds` >= 1 timed times, or fewer, but kLeastRounds, once that has taken
+/// `enough_ms`.
+struct Effort {
+  int rounds = 1;
+  double enough_ms = std::numeric_limits<double>::infinity();
+};
+inline constexpr int kLeastRounds = 3;  ///< a median of fewer says little
 
-/// Traces the set once untimed and `rounds` >= 1 times timed with each tracer (packets only where origins are common).
+/// Builds each tree once untimed, and timed as often as the effort says. One tracer for each build_name() builds; the
+/// others share what it has built where they can, and build their own, untimed, where they cannot.
+std::vector<BuildTimes> run_builds(const Tracers& tracers, const FlatScene& flat, const Effort& effort,
+                                   const Tick& tick = {});
+
+/// The same for tracing the set with each tracer (packets only where origins are common).
 /// Answers of the first and of the last round are compared with those of the first tracer that takes part; it is itself
 /// valid if it agrees with any other. Alone, nobody is valid. All must have been built.
-std::vector<TraceTimes> run_traces(const Tracers& tracers, const RaySet& set, int rounds, const Tick& tick = {});
+std::vector<TraceTimes> run_traces(const Tracers& tracers, const RaySet& set, const Effort& effort,
+                                   const Tick& tick = {});
 
 }  // namespace hemiray::bench

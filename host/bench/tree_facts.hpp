@@ -12,6 +12,7 @@ struct TreeFacts {
   int depth = 0;            ///< nodes on the longest way from the root to a leaf
   double node_fill = 0.0;   ///< used share of the nodes' child slots, [0, 1]
   double block_fill = 0.0;  ///< used share of the leaf blocks' lanes, [0, 1]
+  double references = 1.0;  ///< times that a primitive is listed in leaves
   std::uint64_t nodes = 0;
   std::uint64_t blocks = 0;
   std::uint64_t bytes = 0;  ///< of nodes and blocks

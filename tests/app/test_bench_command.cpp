@@ -1,16 +1,20 @@
 // `hemiray bench` as a user runs it, on small scenes and few rays.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/app/small_scenes.hpp"
 #include "tests/support/run_program.hpp"
+#include "tests/support/running_program.hpp"
 #include "tests/support/temp_folder.hpp"
 
 using hemiray::test::listing;
+using hemiray::test::ProgramEnd;
 using hemiray::test::ProgramResult;
 using hemiray::test::run_program;
+using hemiray::test::RunningProgram;
 using hemiray::test::TempFolder;
 using nlohmann::json;
 
@@ -58,13 +62,14 @@ TEST_CASE("bench measures a scene, verifies it, and writes JSON and CSV") {
   CHECK(result.err.empty());
   CHECK_THAT(result.out, Catch::Contains("terrain") && Catch::Contains("hemicube") && !Catch::Contains("INVALID"));
   const json report = read_json(json_file);
+  CHECK(report["interrupted"] == false);
   CHECK(report["machine"]["rounds"] == 2);
   CHECK_FALSE(report["machine"]["device"].get<std::string>().empty());
   CHECK_FALSE(report["machine"]["commit"].get<std::string>().empty());
   REQUIRE(report["scenes"].size() == 1);
   const json& scene = report["scenes"][0];
   CHECK(scene["triangles"].get<double>() == Approx(10'000).epsilon(0.01));
-  CHECK(scene["builds"].size() == 2);
+  CHECK(scene["builds"].size() == 5);
   std::set<std::string> sets;
   for (const json& trace : scene["traces"]) {
     INFO(trace.dump());
@@ -170,6 +175,57 @@ TEST_CASE("bench --bars refuses a bad file, and scenes that no bar holds") {
   check_refused(small({"interior", "--peers", "--bars", (folder / "none.json").string()}), {"none.json"});
   check_refused(small({"interior", "--peers", "--bars", other}), {"--bars", "no bars for this processor"});
   check_refused(small({"terrain", "--peers", "--bars"}), {"--bars", "interior"});
+}
+
+TEST_CASE("bench measures trees of cells beside the others, but not with --quick") {
+  const TempFolder folder;
+  for (const bool quick : {false, true}) {
+    Words words = small({"terrain", "--json", (folder / "a.json").string()});
+    if (quick) words.emplace_back("--quick");
+    const ProgramResult result = run_program(words);
+    INFO(result.out << result.err);
+    REQUIRE(result.exit_code == 0);
+    const json scene = read_json(folder / "a.json")["scenes"][0];
+    for (const std::string name : {"device/octree", "device/kdtree", "device/kdtree-median"}) {
+      const auto is_of = [&](const char* key) {
+        return [&name, key](const json& entry) {
+          return entry[key].get<std::string>().rfind(name + "/", 0) == 0 || entry[key] == name;
+        };
+      };
+      CHECK(std::count_if(scene["builds"].begin(), scene["builds"].end(), is_of("tree")) == (quick ? 0 : 1));
+      CHECK(std::count_if(scene["traces"].begin(), scene["traces"].end(), is_of("tracer")) >= (quick ? 0 : 5));
+    }
+    for (const json& trace : scene["traces"]) CHECK(trace["valid"] == true);
+  }
+}
+
+TEST_CASE("bench that is interrupted shows and writes what is complete, without verdicts, and exits with 130") {
+  const TempFolder folder;
+  const std::string json_file = (folder / "a.json").string(), csv_file = (folder / "a.csv").string();
+  const std::string tables = folder.write("out.txt", "").string();
+  RunningProgram program({{"bench", "hair", "terrain", "--triangles", "10k", "--rounds", "1000", "--resolution", "64",
+                           "--json", json_file, "--csv", csv_file},
+                          {},
+                          true,
+                          0,
+                          tables});
+  program.wait_for("bench [");
+  program.wait_for(" left");
+  program.send(SIGINT);
+  const ProgramEnd end = program.wait();
+  INFO(end.err);
+  CHECK_FALSE(end.by_signal);
+  CHECK(end.number == 130);
+  CHECK_THAT(end.err, Catch::Contains("hemiray: interrupted; what was complete is in the tables and files"));
+  const json report = read_json(json_file);
+  CHECK(report["interrupted"] == true);
+  CHECK(report["bars"].empty());
+  CHECK(report["scenes"].size() <= 1);
+  std::ifstream out(tables);
+  const std::string shown{std::istreambuf_iterator<char>(out), {}};
+  CHECK_THAT(shown, Catch::StartsWith("device "));
+  for (const json& scene : report["scenes"]) CHECK_THAT(shown, Catch::Contains(scene["scene"].get<std::string>()));
+  CHECK(std::filesystem::exists(csv_file));
 }
 
 TEST_CASE("bench --plot draws PNG and SVG") {

@@ -196,7 +196,7 @@ TEST_CASE("a report says the same as table, JSON and CSV") {
   report.scenes[0].scene = "a, \"b\"";
   report.scenes[0].traces[1].valid = false;
   report.scenes[0].traces[1].disagreements = 777;
-  report.scenes[0].builds[0].facts = bench::TreeFacts{55.0, 9, 0.75, 0.5, 10, 20, 2048};
+  report.scenes[0].builds[0].facts = bench::TreeFacts{55.0, 9, 0.75, 0.5, 1.0, 10, 20, 2048};
   report.engines = {{"cornell_box", "wavefront", 1000, {2.0, 1.0, 3.0, 3}, true}};
   report.leaks = {{"box", "edges", "device/x", 64, 1, 2}};
   report.bars = judge(interior());
@@ -215,7 +215,8 @@ TEST_CASE("a report says the same as table, JSON and CSV") {
   CHECK(parsed["leaks"][0]["any_hit_leaks"] == 2);
   CHECK(parsed["bars"][0]["verdict"] == "PASS");
 
-  const std::string table = bench::report_tables(report);
+  const std::string table = bench::builds_table(report.scenes[0]) + bench::traces_table(report.scenes[0].traces) +
+                            bench::bars_table(report.machine, report.bars);
   CHECK_THAT(table, Catch::Contains("INVALID: 777 differ") && Catch::Contains("bars for Some Chip (avx2)") &&
                         Catch::Contains("PASS") && Catch::Contains("30.01") && Catch::Contains("depth 9"));
 

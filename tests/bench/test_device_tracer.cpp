@@ -12,11 +12,32 @@ TEST_CASE("device tracers answer as brute force does, with every tree, triangle 
   for (const TreeBuilder tree : {TreeBuilder::fast, TreeBuilder::quality}) {
     for (const TriangleTest triangles : {TriangleTest::watertight, TriangleTest::fast}) {
       for (const TraceMode mode : {TraceMode::single, TraceMode::packet}) {
-        const auto tracer = make_device_tracer(workshop, {tree, triangles, mode});
-        const auto sharer = make_device_tracer(workshop, {tree, triangles, TraceMode::single});
+        const auto tracer = make_device_tracer(workshop, {tree, triangles, mode, AccelKind::bvh});
+        const auto sharer = make_device_tracer(workshop, {tree, triangles, TraceMode::single, AccelKind::bvh});
         test::check_tracer(*tracer, *sharer);
       }
     }
+  }
+}
+
+TEST_CASE("tracers of trees of cells answer as brute force does") {
+  Context context(choose_device(""));
+  const auto workshop = std::make_shared<DeviceWorkshop>(context);
+  for (const auto& [kind, name] : {std::pair{AccelKind::octree, "device/octree"},
+                                   {AccelKind::kdtree, "device/kdtree"},
+                                   {AccelKind::kdtree_median, "device/kdtree-median"}}) {
+    DeviceTracerSettings settings;
+    settings.kind = kind;
+    const auto tracer = make_device_tracer(workshop, settings), sharer = make_device_tracer(workshop, settings);
+    CHECK(tracer->build_name() == name);
+    test::check_tracer(*tracer, *sharer);
+    const std::optional<TreeFacts> facts = tracer->facts();
+    REQUIRE(facts);
+    CHECK(facts->references >= 1.0);
+    CHECK(facts->nodes > 0);
+    CHECK(facts->depth >= 2);
+    CHECK(facts->block_fill > 0.1);
+    CHECK_FALSE(make_device_tracer(workshop, {})->share_build(*tracer));
   }
 }
 
@@ -24,7 +45,7 @@ TEST_CASE("device tracers are named by tree, triangle test and way of asking, on
   Context context(choose_device(""));
   const auto workshop = std::make_shared<DeviceWorkshop>(context);
   const auto make = [&](TreeBuilder tree, TriangleTest triangles) {
-    return make_device_tracer(workshop, {tree, triangles, TraceMode::single});
+    return make_device_tracer(workshop, {tree, triangles, TraceMode::single, AccelKind::bvh});
   };
   const auto quality = make(TreeBuilder::quality, TriangleTest::watertight);
   const auto fast = make(TreeBuilder::fast, TriangleTest::fast);

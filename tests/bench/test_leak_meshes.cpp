@@ -113,7 +113,8 @@ TEST_CASE("leaks are rays that hit nothing, counted for each mesh, target and tr
   auto leaky = std::make_unique<test::FakeTracer>("leaky", "single");
   leaky->wrong = 5;
   tracers.push_back(std::move(leaky));
-  const std::vector<bench::LeakResult> results = bench::run_leaks(tracers, 2, 128);
+  std::vector<bench::LeakResult> results;
+  bench::run_leaks(tracers, 2, 128, results);
   REQUIRE(results.size() == 4 * 2 * 2);
   for (const bench::LeakResult& result : results) {
     CHECK(result.rays == 128);

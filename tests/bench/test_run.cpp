@@ -42,7 +42,7 @@ TEST_CASE("in every round each tracer takes its turn, and the first round is not
     add(tracers, "a", "single", &diary);
     add(tracers, "b", "single", &diary);
     int ticks = 0;
-    const auto times = bench::run_traces(tracers, set_of(any_hit, false), 2, [&ticks] { ticks++; });
+    const auto times = bench::run_traces(tracers, set_of(any_hit, false), {2}, [&ticks] { ticks++; });
     const std::string asked = any_hit ? " occluded" : " intersect";
     std::vector<std::string> expected;
     for (int round = 0; round < 3; round++) {
@@ -67,7 +67,7 @@ TEST_CASE("each tree is built once untimed and then in rounds, the other tracers
   add(tracers, "a", "packet", &diary);
   add(tracers, "b", "single", &diary);
   add(tracers, "b", "alone", &diary).shares = false;
-  const auto times = bench::run_builds(tracers, {}, 3);
+  const auto times = bench::run_builds(tracers, {}, {3});
   REQUIRE(times.size() == 2);
   CHECK(times[0].tree == "a");
   CHECK(times[1].tree == "b");
@@ -78,12 +78,23 @@ TEST_CASE("each tree is built once untimed and then in rounds, the other tracers
                                           "a/packet share", "b/alone build"});
 }
 
+TEST_CASE("rounds end early when they have taken long enough, but not before a median says something") {
+  Tracers tracers;
+  add(tracers, "a", "single");
+  add(tracers, "b", "single");
+  const bench::Effort at_once{50, 0.0}, never{5, 1e9};
+  CHECK(bench::run_traces(tracers, set_of(false, false), at_once)[0].ms.runs == bench::kLeastRounds);
+  CHECK(bench::run_builds(tracers, {}, at_once)[1].ms.runs == bench::kLeastRounds);
+  CHECK(bench::run_traces(tracers, set_of(false, false), never)[1].ms.runs == 5);
+  CHECK(bench::run_traces(tracers, set_of(false, false), {2, 0.0})[0].ms.runs == 2);
+}
+
 TEST_CASE("packets are only asked where origins are common") {
   Tracers tracers;
   add(tracers, "a", "single");
   add(tracers, "a", "packet").packets = true;
-  CHECK(bench::run_traces(tracers, set_of(false, false), 1).size() == 1);
-  CHECK(bench::run_traces(tracers, set_of(false, true), 1).size() == 2);
+  CHECK(bench::run_traces(tracers, set_of(false, false), {1}).size() == 1);
+  CHECK(bench::run_traces(tracers, set_of(false, true), {1}).size() == 2);
 }
 
 TEST_CASE("a tracer that answers otherwise than the others is not valid") {
@@ -92,7 +103,7 @@ TEST_CASE("a tracer that answers otherwise than the others is not valid") {
     add(tracers, "reference", "single");
     add(tracers, "good", "single").wrong = 12;  // of 64,000: below kMaxDisagreement
     add(tracers, "bad", "single").wrong = 13;
-    const auto times = bench::run_traces(tracers, set_of(any_hit, false), 1);
+    const auto times = bench::run_traces(tracers, set_of(any_hit, false), {1});
     CHECK(times[0].valid);
     CHECK(times[1].valid);
     CHECK(times[1].disagreements == 12);
@@ -104,9 +115,9 @@ TEST_CASE("a tracer that answers otherwise than the others is not valid") {
 TEST_CASE("a reference that nobody agrees with is not valid, nor is one that is alone") {
   Tracers tracers;
   add(tracers, "wrong", "single").wrong = 5000;
-  CHECK_FALSE(bench::run_traces(tracers, set_of(false, false), 1)[0].valid);
+  CHECK_FALSE(bench::run_traces(tracers, set_of(false, false), {1})[0].valid);
   add(tracers, "right", "single");
-  for (const bench::TraceTimes& t : bench::run_traces(tracers, set_of(false, false), 1)) CHECK_FALSE(t.valid);
+  for (const bench::TraceTimes& t : bench::run_traces(tracers, set_of(false, false), {1})) CHECK_FALSE(t.valid);
 }
 
 TEST_CASE("hits are the same where the primitive is, or nearly the distance") {
