@@ -31,7 +31,7 @@ Exit code: 0 the scene is valid, 2 it is not (one line on stderr says where and 
 std::uint64_t predict(const Scene& scene) {
   const FlatScene flat = flatten_scene(scene, Instancing::automatic);
   return predict_render_bytes(flat, features_of(scene, flat, scene.depth), EngineKind::wavefront, scene.camera.width,
-                              scene.camera.height, scene.depth, DeviceProfile{});
+                              scene.camera.height, scene.depth, AccelOptions{}, DeviceProfile{});
 }
 
 }  // namespace

@@ -17,10 +17,46 @@ constexpr std::uint32_t kArenaRows = 9, kArenaGuard = 32;
 
 std::size_t arena_words(std::uint32_t capacity) { return std::size_t{kArenaRows} * (capacity + 2 * kArenaGuard); }
 
+// A tree of cells lists a primitive of a usual mesh in several leaves: a primitive, for leaves of 8 (measured from 20
+// thousand triangles to a million, tests/bvh/test_accel_memory.cpp; a soup of tiny triangles takes half as much).
+struct CellShape {
+  double references, leaves, nodes;
+  std::uint64_t node_bytes;
+};
+
+CellShape cell_shape(AccelKind kind) {
+  switch (kind) {
+    case AccelKind::octree:
+      return {4.4, 0.85, 0.185, 48};
+    case AccelKind::kdtree:
+      return {3.0, 0.43, 0.39, 16};
+    default:
+      return {3.5, 0.50, 0.29, 16};
+  }
+}
+
+AccelMemory predict_cell_bytes(std::uint64_t primitives, const AccelOptions& options, const DeviceProfile& profile) {
+  const CellShape shape = cell_shape(options.kind);
+  const double count = static_cast<double>(primitives), coarser = 8.0 / options.max_leaf;
+  const double leaves = shape.leaves * coarser * count, nodes = shape.nodes * coarser * count;
+  const double references = shape.references * count;
+  const double blocks_a_leaf = std::max(1.0, references / leaves / options.leaf_lanes);
+  const double block_bytes = 40.0 * options.leaf_lanes, node_bytes = static_cast<double>(shape.node_bytes);
+  const double tree = nodes * node_bytes + leaves * blocks_a_leaf * block_bytes;
+  // Before they come to their place: nodes, leaves' descriptions and references, beside sorted keys and boxes.
+  const double sorted = count * (sizeof(shared::Box) + 2 * sizeof(std::uint64_t));
+  const double drafts = nodes * node_bytes + leaves * sizeof(shared::uint4) + references * sizeof(std::uint32_t);
+  AccelMemory memory;
+  memory.tree = sort_bytes(profile) + static_cast<std::uint64_t>(tree);
+  memory.peak = memory.tree + static_cast<std::uint64_t>(sorted + drafts);
+  return memory;
+}
+
 AccelMemory predict_tree(std::uint64_t primitives, bool has_blocks, const AccelOptions& given,
                          const DeviceProfile& profile) {
   const AccelOptions options = complete_options(given, profile);
   const std::uint64_t count = std::max<std::uint64_t>(primitives, 1);
+  if (options.kind != AccelKind::bvh) return predict_cell_bytes(count, options, profile);
   const BinaryTreeSizes sizes = binary_tree_sizes(static_cast<std::uint32_t>(count), options.builder, profile);
   const std::uint64_t node_bytes = 32 * std::uint64_t{options.width};
   const std::uint64_t block_bytes = has_blocks ? 40 * std::uint64_t{options.leaf_lanes} : 0;

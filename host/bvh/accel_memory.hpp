@@ -31,7 +31,7 @@ struct AccelMemory {
 };
 
 /// For `primitives` triangles and spheres of usual shape: how full the blocks get depends on the scene, so the tree is
-/// an estimate; what the build works in is known.
+/// an estimate; what the build works in is known. A tree of cells is an estimate altogether.
 AccelMemory predict_accel_bytes(std::uint64_t primitives, const AccelOptions& options, const DeviceProfile& profile);
 
 /// For a scene: its own tree, one for each shared mesh, and the one over its instances. While the trees are put

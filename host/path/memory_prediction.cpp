@@ -58,10 +58,10 @@ std::uint64_t pixel_bytes(std::uint32_t features) {
 }  // namespace
 
 std::uint64_t predict_render_bytes(const FlatScene& flat, std::uint32_t features, EngineKind engine, int width,
-                                   int height, int depth, const DeviceProfile& profile) {
+                                   int height, int depth, const AccelOptions& tree, const DeviceProfile& profile) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   const std::uint64_t slots = std::min<std::uint64_t>(pixels, profile.wave_slots);
-  const AccelMemory accel = predict_accel_bytes(flat, AccelOptions{}, profile);
+  const AccelMemory accel = predict_accel_bytes(flat, tree, profile);
   const std::uint64_t trace = accel.tree + pixels * pixel_bytes(features) + slots * slot_bytes(features, engine, depth);
   return scene_bytes(flat, features) + std::max(accel.peak, trace);
 }

@@ -56,7 +56,7 @@ RenderSetup::RenderSetup(const Scene& scene_given, const RenderOptions& options_
 std::uint32_t RenderSetup::slots(const DeviceProfile& profile) const { return std::min(pixels, profile.wave_slots); }
 
 std::uint64_t RenderSetup::predicted_bytes(const DeviceProfile& profile) const {
-  return predict_render_bytes(flat, features, options.engine, width, height, depth, profile);
+  return predict_render_bytes(flat, features, options.engine, width, height, depth, options.accel, profile);
 }
 
 void RenderSetup::check_memory(const DeviceInfo& device, std::uint64_t available) const {
