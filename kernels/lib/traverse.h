@@ -25,7 +25,7 @@ static inline bool intersect_plane_primitive(const SceneView* view, const Ray* r
 
 // Where a ray is on its way: in the world's trees or in the shared tree of one instance.
 typedef struct Walk {
-  Ray ray;  // in that space
+  Ray ray;  // in that space; not kept where there are no instances
   Slabs slabs;
   BlockNumbers numbers;
   global const Instance* instance;  // null: in the world
@@ -34,12 +34,16 @@ typedef struct Walk {
 
 static inline Walk start_walk(const SceneView* view, const Ray* ray) {
   Walk walk;
-  walk.ray = *ray;
+  if (HR_HAS(INSTANCES)) walk.ray = *ray;
   walk.slabs = make_slabs(ray);
   walk.numbers = world_numbers(view);
   walk.instance = 0;
   walk.floor = 0;
   return walk;
+}
+
+static inline const Ray* walked_ray(const Walk* walk, const Ray* world_ray) {
+  return HR_HAS(INSTANCES) ? &walk->ray : world_ray;
 }
 
 // Goes into the instance of a leaf and returns the root of its tree.
@@ -58,6 +62,7 @@ static inline int enter_instance(const SceneView* view, const Ray* world_ray, in
 static inline void walk_closest(const SceneView* view, const Ray* world_ray, const Skip* skip, int at, int later,
                                 Hit* best) {
   Walk walk = start_walk(view, world_ray);
+  const Ray* ray = walked_ray(&walk, world_ray);
   StackEntry stack[HR_TRAVERSAL_STACK];
   uint size = 0;
   if (HR_HAS(INSTANCES) && later >= 0) stack[size++] = HR_ENTRY(0.0f, later);
@@ -65,7 +70,7 @@ static inline void walk_closest(const SceneView* view, const Ray* world_ray, con
     if (at >= 0) {
       global const float* node = node_at(view, at);
       float t_near[HR_W];
-      const LaneSet lanes = enter_children(node, &walk.ray, &walk.slabs, best->t, t_near);
+      const LaneSet lanes = enter_children(node, ray, &walk.slabs, best->t, t_near);
       if (lanes) {
         at = nearest_child(view, node, lanes, t_near, stack, &size);
         continue;
@@ -77,7 +82,7 @@ static inline void walk_closest(const SceneView* view, const Ray* world_ray, con
       const uint leaf = (uint)~at;
       global const float* block = block_at(view, leaf >> 4);
       for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
-        intersect_block_closest(walk.numbers, block, &walk.ray, skip, best);
+        intersect_block_closest(walk.numbers, block, ray, skip, best);
       }
     }
     StackEntry entry = 0;
@@ -103,6 +108,7 @@ static inline void walk_closest(const SceneView* view, const Ray* world_ray, con
 // Is there any hit in (t_min, t_max) below node `at`, or below `later` where that is one (>= 0)?
 static inline bool walk_any(const SceneView* view, const Ray* world_ray, const Skip* skip, int at, int later) {
   Walk walk = start_walk(view, world_ray);
+  const Ray* ray = walked_ray(&walk, world_ray);
   int stack[HR_TRAVERSAL_STACK];
   uint size = 0;
   if (HR_HAS(INSTANCES) && later >= 0) stack[size++] = later;
@@ -110,7 +116,7 @@ static inline bool walk_any(const SceneView* view, const Ray* world_ray, const S
     if (at >= 0) {
       global const float* node = node_at(view, at);
       float t_near[HR_W];
-      LaneSet lanes = enter_children(node, &walk.ray, &walk.slabs, world_ray->t_max, t_near);
+      LaneSet lanes = enter_children(node, ray, &walk.slabs, world_ray->t_max, t_near);
       if (lanes) {
         global const int* child = node_children(node);
         at = child[first_lane(lanes)];
@@ -126,7 +132,7 @@ static inline bool walk_any(const SceneView* view, const Ray* world_ray, const S
       const uint leaf = (uint)~at;
       global const float* block = block_at(view, leaf >> 4);
       for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
-        if (intersect_block_any(walk.numbers, block, &walk.ray, skip)) return true;
+        if (intersect_block_any(walk.numbers, block, ray, skip)) return true;
       }
     }
     if (HR_HAS(INSTANCES) && walk.instance && size == walk.floor) walk = start_walk(view, world_ray);

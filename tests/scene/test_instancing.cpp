@@ -7,6 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/scene/features.hpp"
 #include "host/scene/flat_scene.hpp"
+#include "host/scene/summary.hpp"
 #include "tests/reference/scene_builder.hpp"
 
 namespace hemiray {
@@ -116,6 +117,20 @@ TEST_CASE("a scene with instances calls for them, and for the materials its inst
   scene.objects[1].material = plain;
   CHECK(mask() == kShapes);
   CHECK(features_of(scene, flatten_scene(scene), 3) == HR_FEATURE_TRIANGLES);
+}
+
+TEST_CASE("a summary counts triangles as if copied, those on the device, and instances") {
+  Scene scene = row_of_fans(kMany, 3, diffuse(Vec3(0.5F)));
+  scene.objects[2].material = static_cast<int>(add_material(scene, emissive(Vec3(1.0F))));
+  const SceneSummary summary = summarize(scene);
+  CHECK(summary.triangles == 3 * kMany);
+  CHECK(summary.unique_triangles == 2 * kMany);
+  CHECK(summary.instances == 2);
+  CHECK_THAT(summary_text(summary), Catch::Contains("2 that share their triangles"));
+  const SceneSummary plain = summarize(row_of_fans(5, 3, diffuse(Vec3(0.5F))));
+  CHECK(plain.unique_triangles == 15);
+  CHECK(plain.instances == 0);
+  CHECK_THAT(summary_text(plain), !Catch::Contains("instances"));
 }
 
 TEST_CASE("more primitives than there are indices are refused") {
