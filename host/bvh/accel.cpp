@@ -127,7 +127,7 @@ void Accel::bound_primitives(const DeviceScene& scene) {
   AccelBuilder::Scratch& scratch = builder_->scratch_;
   const std::uint32_t chunks = context.profile().chunks;
   const Buffer<shared::BoundsPartial> partials(context, "bounds", chunks);
-  ensure_boxes();
+  ensure_boxes(input_.primitive_count);
   launch(context, builder_->program_.kernel("bvh_bound_primitives"), chunks,
          arguments(scene.geometry_arguments(input_), arg("primitive_count", input_.primitive_count),
                    arg("boxes", scratch.boxes), arg("partials", partials)));
@@ -135,9 +135,9 @@ void Accel::bound_primitives(const DeviceScene& scene) {
 }
 
 // Room for the boxes, and for the costs that collapse() puts in their place.
-void Accel::ensure_boxes() {
+void Accel::ensure_boxes(std::uint32_t count) {
   const DeviceProfile& profile = builder_->context_->profile();
-  const std::uint32_t nodes = binary_tree_sizes(input_.primitive_count, options_.builder, profile).nodes;
+  const std::uint32_t nodes = binary_tree_sizes(count, options_.builder, profile).nodes;
   builder_->ensure(builder_->scratch_.boxes, "boxes", nodes);
 }
 

@@ -121,7 +121,7 @@ class Accel {
   [[nodiscard]] AccelConfig layout_config() const;
   void build_tree(const DeviceScene& scene, const AccelOptions& options, const TreeInput& input);
   void bound_primitives(const DeviceScene& scene);
-  void ensure_boxes();
+  void ensure_boxes(std::uint32_t count);
   void take_bounds(const Buffer<shared::BoundsPartial>& partials);
   void sort_primitives(const AccelOptions& options);
   void cluster(const AccelOptions& options);

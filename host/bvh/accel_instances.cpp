@@ -77,7 +77,7 @@ void Accel::bound_instances(const DeviceScene& scene) {
   Kernel& kernel = builder_->instance_program(layout_config()).kernel("bvh_bound_instances");
   const std::uint32_t chunks = context.profile().chunks;
   const Buffer<shared::BoundsPartial> partials(context, "bounds", chunks);
-  ensure_boxes();
+  ensure_boxes(scene.instance_count());
   AccelStatistics all = trees_.front().statistics;
   for (int round = 0; round < 2; round++) {
     launch(context, kernel, chunks,
@@ -134,13 +134,16 @@ void Accel::join_trees() {
   if (nodes > kMaxNodes || blocks > kMaxBlocks) {
     throw DeviceError("the trees of the shared meshes have more than 2^31 nodes or 2^27 blocks; split the scene");
   }
+  Kernel& copy = builder_->instance_program(layout_config()).kernel("bvh_copy_words");
   const auto join = [&](Buffer<float>& whole, const char* name, std::uint64_t words, Buffer<float> Tree::*part,
                         auto words_of) {
     whole = Buffer<float>(context, name, words);
-    std::size_t first = 0;
+    std::uint64_t first = 0;
     for (Tree& tree : trees_) {
-      const std::size_t count = words_of(tree.statistics);
-      whole.copy_from(tree.*part, count, first);
+      const std::uint64_t count = words_of(tree.statistics);
+      // By a kernel: simulators take what a copy command wrote for uninitialised.
+      launch(context, copy, context.profile().chunks,
+             arguments(arg("from", tree.*part), arg("count", count), arg("first", first), arg("to", whole)));
       first += count;
     }
     context.finish();

@@ -61,14 +61,6 @@ class Buffer {
              [&] { context_->queue().enqueueWriteBuffer(handle_, CL_TRUE, 0, data.size_bytes(), data.data()); });
   }
 
-  /// Queues a copy of source's first `count` elements to this buffer's [first, + count).
-  void copy_from(const Buffer& source, std::size_t count, std::size_t first) {
-    if (count == 0) return;
-    cl_guard("copying " + name_, [&] {
-      context_->queue().enqueueCopyBuffer(source.handle_, handle_, 0, first * sizeof(T), count * sizeof(T));
-    });
-  }
-
   /// Copies `count` elements from `first` on to the host; waits for everything queued before.
   [[nodiscard]] std::vector<T> read(std::size_t first, std::size_t count) const {
     std::vector<T> data(count);

@@ -75,6 +75,14 @@ kernel void bvh_bound_instances(global const Instance* restrict instances, globa
   partials[g] = p;
 }
 
+// to[first + i] = from[i] for i < count. Launch: G items.
+kernel void bvh_copy_words(global const float* restrict from, const ulong count, const ulong first,
+                           global float* restrict to) {
+  const ulong g = get_global_id(0), groups = get_global_size(0);
+  const ulong share = (count + groups - 1) / groups, end = min(count, (g + 1) * share);
+  for (ulong i = g * share; i < end; i++) to[first + i] = from[i];
+}
+
 // As bvh_refit_regions, for the tree of instances and their new boxes. Launch: one item a region.
 kernel void bvh_refit_instances(global const Box* restrict boxes, global const CollapseRegion* restrict regions,
                                 const uint first_region, const uint region_count, global float* accel_nodes) {
