@@ -1,6 +1,7 @@
 // `hemiray tune -o FILE`: measures a device and writes its profile.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "host/bench/ray_sets.hpp"
 #include "host/bench/tuning.hpp"
 #include "host/bvh/ray_queries.hpp"
+#include "host/scene/spelling.hpp"
 #include "shared/features.h"
 
 namespace hemiray::app {
@@ -20,13 +22,13 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   hemiray tune -o profile.json                          measure the default device
   hemiray tune -o profile.json --device gpu --triangles 1000000
+  hemiray tune -o profile.json --only max_leaf,packet_groups
   HEMIRAY_PROFILE=profile.json hemiray render SCENE -o out.exr)";
-
-constexpr std::uint32_t kResolution = 512;
 
 struct TuneArguments {
   std::string output, device;
-  std::uint32_t triangles = 250'000;
+  std::vector<std::string> only;  // empty: all steps
+  std::uint32_t triangles = 250'000, resolution = 512;
   bool quiet = false;
 };
 
@@ -68,14 +70,14 @@ double cost_of(const DeviceInfo& device, const DeviceProfile& profile, const ben
   return sum;
 }
 
-std::vector<bench::RaySet> rays_of(const DeviceInfo& device, const bench::BenchScene& scene) {
+std::vector<bench::RaySet> rays_of(const DeviceInfo& device, const bench::BenchScene& scene, std::uint32_t resolution) {
   Context context(device);
   Parallel parallel(context);
   AccelBuilder builder(context, parallel);
   const DeviceScene device_scene(context, scene.flat, HR_FEATURE_TRIANGLES);
   const Accel accel(builder, device_scene);
   RayQueries queries(context, device_scene, accel);
-  return bench::make_ray_sets(scene, kResolution,
+  return bench::make_ray_sets(scene, resolution,
                               [&](std::span<const shared::QueryRay> rays) { return queries.intersect(rays); });
 }
 
@@ -88,16 +90,32 @@ std::string value_of(const bench::TuningTrial& trial) {
   return "";
 }
 
+// The steps asked for, in the order in which they are gone through.
+std::vector<std::string> choose_steps(const std::vector<std::string>& only) {
+  std::vector<std::string> steps = bench::tuning_step_names();
+  for (const std::string& name : only) {
+    if (std::find(steps.begin(), steps.end(), name) != steps.end()) continue;
+    throw InputError("--only", fmt::format("{} is none of {}", in_quotes(name), fmt::join(steps, ", ")) +
+                                   spelling_hint(name, std::vector<std::string_view>(steps.begin(), steps.end())));
+  }
+  if (!only.empty()) {
+    std::erase_if(steps, [&](const auto& name) { return std::find(only.begin(), only.end(), name) == only.end(); });
+  }
+  return steps;
+}
+
 int run_tune(const TuneArguments& given) {
+  const std::vector<std::string> steps = choose_steps(given.only);
+  if (given.resolution % 32 != 0) throw InputError("--resolution", "not a multiple of 32");
   check_writable(given.output);
   const DeviceInfo device = choose_device(given.device);
   const bench::BenchScene scene = bench::procedural_scene("interior", given.triangles);
-  const std::vector<bench::RaySet> sets = rays_of(device, scene);
+  const std::vector<bench::RaySet> sets = rays_of(device, scene, given.resolution);
   Progress progress("tune", !given.quiet);
   std::vector<bench::TuningTrial> trials;
   const DeviceProfile best = bench::tune(
-      profile_for(device), [&](const DeviceProfile& profile) { return cost_of(device, profile, scene, sets); }, trials,
-      [&progress](double fraction) { progress.update(fraction, 0.0); });
+      profile_for(device), steps, [&](const DeviceProfile& profile) { return cost_of(device, profile, scene, sets); },
+      trials, [&progress](double fraction) { progress.update(fraction, 0.0); });
   progress.finish();
   write_file_atomically(given.output, profile_json(device, best));
   if (given.quiet) return static_cast<int>(ExitCode::ok);
@@ -119,6 +137,13 @@ void add_tune_command(CLI::App& app, int& exit_code) {
   command->add_option("--device", given->device, "Index, part of a name, cpu or gpu (default: HEMIRAY_DEVICE)");
   command->add_option("--triangles", given->triangles, "Of the room that is built and traced")
       ->check(CLI::Range(bench::kLeastTriangles, bench::kMostTriangles))
+      ->capture_default_str();
+  command->add_option("--only", given->only, "Numbers to tune, comma separated (default: all, as the table shows)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  command->add_option("--resolution", given->resolution, "Primary rays on a side, a multiple of 32")
+      ->check(CLI::Range(32, 4096))
       ->capture_default_str();
   command->add_flag("--quiet", given->quiet, "Print nothing but errors");
   command->footer(kExamples);

@@ -24,10 +24,9 @@ TuningStep vary(const std::string& name, const DeviceProfile& standing, Number n
   return step;
 }
 
-double lesser_cost(const TuningCost& cost, const DeviceProfile& profile) {
+double cost_or_infinity(const TuningCost& cost, const DeviceProfile& profile) {
   try {
-    const double first = cost(profile);
-    return std::min(first, cost(profile));
+    return cost(profile);
   } catch (const DeviceError&) {
     return std::numeric_limits<double>::infinity();  // too large for the device: another candidate wins
   }
@@ -36,7 +35,8 @@ double lesser_cost(const TuningCost& cost, const DeviceProfile& profile) {
 }  // namespace
 
 std::vector<std::string> tuning_step_names() {
-  return {"bvh_width", "leaf_lanes", "max_leaf", "rays_per_item", "packet_groups", "cluster_limit", "cluster_chunks"};
+  return {"bvh_width",     "leaf_lanes",    "max_leaf",       "rays_per_item",
+          "packet_groups", "cluster_limit", "cluster_chunks", "sort_groups"};
 }
 
 TuningStep tuning_step(const std::string& name, const DeviceProfile& standing) {
@@ -58,6 +58,7 @@ TuningStep tuning_step(const std::string& name, const DeviceProfile& standing) {
     const std::uint32_t chunks = standing.cluster_chunks;
     return vary(name, standing, &DeviceProfile::cluster_chunks, {std::max(chunks / 2, 1U), chunks, 2 * chunks});
   }
+  if (name == "sort_groups") return vary(name, standing, &DeviceProfile::sort_groups, {0, 128, 512});
   if (name == "cluster_limit") {
     TuningStep step = vary(name, standing, &DeviceProfile::cluster_limit, {16, 32, 64});
     for (DeviceProfile& candidate : step.candidates) candidate.cluster_keep = candidate.cluster_limit / 2;
@@ -66,25 +67,30 @@ TuningStep tuning_step(const std::string& name, const DeviceProfile& standing) {
   throw std::logic_error("no tuning step '" + name + "'");
 }
 
-DeviceProfile tune(const DeviceProfile& start, const TuningCost& cost, std::vector<TuningTrial>& trials,
-                   const std::function<void(double fraction)>& on_progress) {
+DeviceProfile tune(const DeviceProfile& start, const std::vector<std::string>& steps, const TuningCost& cost,
+                   std::vector<TuningTrial>& trials, const std::function<void(double fraction)>& on_progress) {
   DeviceProfile best = start;
-  const std::vector<std::string> names = tuning_step_names();
-  for (std::size_t s = 0; s < names.size(); s++) {
-    const TuningStep step = tuning_step(names[s], best);
-    std::size_t chosen = trials.size();
-    double least = std::numeric_limits<double>::infinity();
+  for (std::size_t s = 0; s < steps.size(); s++) {
+    const TuningStep step = tuning_step(steps[s], best);
+    const std::size_t first = trials.size(), count = step.candidates.size();
     for (const DeviceProfile& candidate : step.candidates) {
-      const double candidate_cost = lesser_cost(cost, candidate);
-      if (candidate_cost < least * (1.0 - kTuningGain)) {
-        least = candidate_cost;
-        best = candidate;
-        chosen = trials.size();
-      }
-      trials.push_back({step.name, candidate, candidate_cost, false});
+      trials.push_back({step.name, candidate, std::numeric_limits<double>::infinity(), false});
     }
-    if (chosen < trials.size()) trials[chosen].chosen = true;
-    if (on_progress) on_progress(static_cast<double>(s + 1) / static_cast<double>(names.size()));
+    for (std::size_t turn = 0; turn < kTuningTurns * count; turn++) {
+      TuningTrial& trial = trials[first + turn % count];
+      // What failed once is not asked again.
+      if (turn < count || trial.cost_ms < std::numeric_limits<double>::infinity()) {
+        trial.cost_ms = std::min(trial.cost_ms, cost_or_infinity(cost, trial.profile));
+      }
+      const double within = static_cast<double>(turn + 1) / static_cast<double>(kTuningTurns * count);
+      if (on_progress) on_progress((static_cast<double>(s) + within) / static_cast<double>(steps.size()));
+    }
+    std::size_t chosen = first;
+    for (std::size_t i = first + 1; i < trials.size(); i++) {
+      if (trials[i].cost_ms < trials[chosen].cost_ms * (1.0 - kTuningGain)) chosen = i;
+    }
+    trials[chosen].chosen = true;
+    best = trials[chosen].profile;
   }
   return best;
 }

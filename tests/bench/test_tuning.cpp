@@ -17,7 +17,8 @@ TEST_CASE("tuning takes each number's fastest value") {
   };
   std::vector<TuningTrial> trials;
   double done = 0.0;
-  const DeviceProfile best = tune(DeviceProfile{}, cost, trials, [&done](double fraction) { done = fraction; });
+  const DeviceProfile best =
+      tune(DeviceProfile{}, tuning_step_names(), cost, trials, [&done](double fraction) { done = fraction; });
   CHECK(best.bvh_width == 4);
   CHECK(best.leaf_lanes == 4);
   CHECK(best.packet_groups == 2);
@@ -34,7 +35,7 @@ TEST_CASE("tuning keeps what stands unless something is clearly faster") {
   const DeviceProfile start;
   const auto cost = [&start](const DeviceProfile& p) { return p.bvh_width == start.bvh_width ? 100.0 : 99.0; };
   std::vector<TuningTrial> trials;
-  CHECK(tune(start, cost, trials).bvh_width == start.bvh_width);
+  CHECK(tune(start, tuning_step_names(), cost, trials).bvh_width == start.bvh_width);
 }
 
 TEST_CASE("a candidate that the device cannot run is passed over") {
@@ -43,7 +44,7 @@ TEST_CASE("a candidate that the device cannot run is passed over") {
     return p.bvh_width == 2 ? 1.0 : 2.0;
   };
   std::vector<TuningTrial> trials;
-  CHECK(tune(DeviceProfile{}, cost, trials).bvh_width == 2);
+  CHECK(tune(DeviceProfile{}, tuning_step_names(), cost, trials).bvh_width == 2);
   REQUIRE(trials.size() > 1);
   CHECK(std::isinf(trials[2].cost_ms));
 }
