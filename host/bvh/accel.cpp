@@ -19,6 +19,8 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 // clustering makes up for.
 constexpr unsigned kMortonBits = 33;
 
+constexpr int kTopPasses = 3;  // of moving nodes; what is best for one changes as others move
+
 double now_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -66,10 +68,18 @@ AccelBuilder::AccelBuilder(Context& context, Parallel& parallel, bool keep_scrat
 
 std::vector<const Program*> AccelBuilder::programs() const {
   std::vector<const Program*> all = {&program_};
+  if (top_program_) all.push_back(&*top_program_);
   for (const auto& [defines, program] : layout_programs_) all.push_back(&program);
   for (const auto& [defines, program] : cell_programs_) all.push_back(&program);
   for (const auto& [defines, program] : instance_programs_) all.push_back(&program);
   return all;
+}
+
+Program& AccelBuilder::top_program() {
+  if (!top_program_) {
+    top_program_ = Program(*context_, "bvh_top", {"bvh/top_tree.cl", "bvh/reinsert.cl"}, ProgramOptions{});
+  }
+  return *top_program_;
 }
 
 Program& AccelBuilder::layout_program(const AccelConfig& config) {
@@ -119,6 +129,7 @@ void Accel::build_tree(const DeviceScene& scene, const AccelOptions& options, co
   if (statistics_.primitives == 0) return make_empty();
   sort_primitives(options);
   cluster(options);
+  improve_top();
   collapse(scene, options);
 }
 
@@ -158,16 +169,18 @@ void Accel::sort_primitives(const AccelOptions& options) {
   AccelBuilder::Scratch& scratch = builder_->scratch_;
   const std::uint32_t count = input_.primitive_count;
   index_bits_ = static_cast<unsigned>(std::bit_width(std::max(count, 2U) - 1));
-  const unsigned room = 63 - index_bits_;  // one bit more sorts dropped primitives behind all others
-  statistics_.morton_bits = std::min(options.morton_bits != 0 ? options.morton_bits : kMortonBits, room) / 3 * 3;
+  const unsigned spare_bits = 63 - index_bits_;  // one bit more sorts dropped primitives behind all others
+  statistics_.morton_bits = std::min(options.morton_bits != 0 ? options.morton_bits : kMortonBits, spare_bits) / 3 * 3;
   const std::uint32_t axis_bits = statistics_.morton_bits / 3;
   shared::float4 scale = {cells_per_metre(centroid_lo_.x, centroid_hi_.x, axis_bits),
                           cells_per_metre(centroid_lo_.y, centroid_hi_.y, axis_bits),
                           cells_per_metre(centroid_lo_.z, centroid_hi_.z, axis_bits), 0.0F};
   if (options.kind != AccelKind::bvh) scale = cubic_scale(scale);
-  builder_->ensure(scratch.keys, "Morton codes", count);
+  // Either may be the one that the sort leaves over, which collapse() then works in.
   const std::uint32_t slots = binary_tree_sizes(count, options.builder, context.profile()).nodes;
-  builder_->ensure(scratch.keys_other, "Morton codes", std::max(count, slots / 2 + 1));  // as collapse() wants them
+  const std::size_t room = std::max(count, slots / 2 + 1);
+  builder_->ensure(scratch.keys, "Morton codes", room);
+  builder_->ensure(scratch.keys_other, "Morton codes", room);
   launch(context, builder_->program_.kernel("bvh_code_primitives"), context.profile().chunks,
          arguments(arg("boxes", scratch.boxes), arg("primitive_count", count), arg("centroid_lo", centroid_lo_),
                    arg("scale", scale), arg("axis_bits", axis_bits), arg("index_bits", std::uint32_t{index_bits_}),
@@ -184,7 +197,7 @@ void Accel::cluster(const AccelOptions& options) {
   const std::uint32_t count = statistics_.primitives;
   const BinaryTreeSizes sizes = binary_tree_sizes(count, options.builder, profile);
   builder_->ensure(scratch.binary, "binary tree", sizes.nodes);
-  builder_->ensure(scratch.node_ranges, "node ranges", sizes.groups + 1);
+  builder_->ensure(scratch.node_ranges, "node ranges", sizes.groups + 2);
   builder_->ensure(scratch.arenas, "cluster arenas", sizes.arena_words);
   builder_->ensure(scratch.join_arena, "cluster arenas", sizes.join_arena_words);
   builder_->ensure(scratch.pending, "pending ranges", std::size_t{sizes.groups} * kSweepDepth);
@@ -211,6 +224,32 @@ void Accel::cluster(const AccelOptions& options) {
   builder_->release(scratch.join_arena);
 }
 
+// The top is where clustering errs most, and where most rays pass.
+void Accel::improve_top() {
+  Context& context = *builder_->context_;
+  AccelBuilder::Scratch& scratch = builder_->scratch_;
+  const BinaryTreeSizes sizes = binary_tree_sizes(statistics_.primitives, options_.builder, context.profile());
+  if (sizes.top_nodes == 0) return;
+  Program& program = builder_->top_program();
+  const std::uint32_t capacity = 2 * sizes.top_nodes + 1;  // with the subtrees below them
+  builder_->ensure(scratch.top, "top of the tree", capacity);
+  builder_->ensure(scratch.totals, "tree totals", 4);
+  const Arguments top = arguments(arg("top", scratch.top));
+  const Arguments counted =
+      arguments(top, arg("count", scratch.totals), arg("scale", entry_metric(statistics_.lo, statistics_.hi).x));
+  const Arguments tree = arguments(arg("binary", scratch.binary), arg("root", scratch.root));
+  launch(context, program.kernel("bvh_open_top"), 1,
+         arguments(counted, tree, arg("primitives", statistics_.primitives), arg("lo", statistics_.lo),
+                   arg("hi", statistics_.hi), arg("capacity", capacity)));
+  for (int pass = 0; pass < kTopPasses; pass++) {
+    launch(context, program.kernel("bvh_find_places"), context.profile().chunks, counted);
+    launch(context, program.kernel("bvh_move_nodes"), 1, counted);
+  }
+  launch(context, program.kernel("bvh_close_top"), 1,
+         arguments(top, tree, arg("first", sizes.top_first), arg("node_ranges", scratch.node_ranges),
+                   arg("range", sizes.groups + 1)));
+}
+
 void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
   Context& context = *builder_->context_;
   AccelBuilder::Scratch& scratch = builder_->scratch_;
@@ -226,12 +265,13 @@ void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
   const Arguments tree = arguments(arg("binary", scratch.binary), arg("cuts", scratch.keys_other));
   const auto cut = [&](std::uint32_t first, std::uint32_t items) {
     launch(context, program.kernel("bvh_cut_ranges"), items,
-           arguments(tree, arg("ranges", scratch.node_ranges), arg("first", first), arg("each", 1U),
-                     arg("costs", scratch.boxes), arg("metric", entry_metric(statistics_.lo, statistics_.hi)),
+           arguments(tree, arg("ranges", scratch.node_ranges), arg("first", first), arg("costs", scratch.boxes),
+                     arg("metric", entry_metric(statistics_.lo, statistics_.hi)),
                      arg("max_leaf", std::uint32_t{options.max_leaf})));
   };
   cut(0, sizes.groups);
   cut(sizes.groups, 1);
+  if (sizes.top_nodes > 0) cut(sizes.groups + 1, 1);
   const Arguments regions = arguments(tree, arg("regions", regions_));
   launch(context, program.kernel("bvh_collapse_top"), 1,
          arguments(regions, arg("draft_nodes", scratch.draft), arg("totals", scratch.totals), arg("root", scratch.root),
@@ -259,6 +299,7 @@ void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
                    arg("accel_blocks", blocks_)));
   context.finish();
   builder_->release(scratch.binary);
+  builder_->release(scratch.top);
   builder_->release(scratch.keys_other);
   builder_->release(scratch.draft);
 }

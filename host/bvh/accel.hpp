@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,6 +52,7 @@ class AccelBuilder {
     Buffer<std::uint64_t> keys, keys_other;
     Buffer<shared::BinaryNode> binary;
     Buffer<float> arenas, join_arena, draft;
+    Buffer<shared::TopNode> top;
     Buffer<shared::int2> pending;
     Buffer<shared::uint2> node_ranges;
     Buffer<std::uint32_t> pending_count, totals;
@@ -70,6 +72,7 @@ class AccelBuilder {
   void release(Buffer<T>& buffer) {
     if (!keep_scratch_) buffer = Buffer<T>();
   }
+  Program& top_program();
   Program& layout_program(const AccelConfig& config);
   Program& cell_program(const AccelConfig& config);      // host/bvh/cell_trees.cpp
   Program& instance_program(const AccelConfig& config);  // host/bvh/accel_instances.cpp
@@ -78,6 +81,7 @@ class AccelBuilder {
   Parallel* parallel_;
   bool keep_scratch_;
   Program program_;
+  std::optional<Program> top_program_;              ///< of trees large enough that moving nodes pays
   std::map<std::string, Program> layout_programs_;  ///< by the configuration's defines
   std::map<std::string, Program> cell_programs_, instance_programs_;
   Scratch scratch_;
@@ -125,6 +129,7 @@ class Accel {
   void take_bounds(const Buffer<shared::BoundsPartial>& partials);
   void sort_primitives(const AccelOptions& options);
   void cluster(const AccelOptions& options);
+  void improve_top();
   void collapse(const DeviceScene& scene, const AccelOptions& options);
   void make_empty();
   void refit_tree(const DeviceScene& scene, const TreeInput& input, const Buffer<shared::CollapseRegion>& regions,

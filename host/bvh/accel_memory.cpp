@@ -15,6 +15,10 @@ constexpr double kNodeFill = 0.97;
 // kernels/bvh/arena.h
 constexpr std::uint32_t kArenaRows = 9, kArenaGuard = 32;
 
+// Smaller trees are built in less time than it takes to compile what moves nodes; in larger ones it takes a twentieth
+// of the time where no more nodes move than this.
+constexpr std::uint32_t kFewestWithTop = 4096, kPrimitivesPerTopNode = 32;
+
 std::size_t arena_words(std::uint32_t capacity) { return std::size_t{kArenaRows} * (capacity + 2 * kArenaGuard); }
 
 // A tree of cells lists a primitive of a usual mesh in several leaves: a primitive, for leaves of 8 (measured from 20
@@ -73,12 +77,13 @@ AccelMemory predict_tree(std::uint64_t primitives, bool has_blocks, const AccelO
   const std::uint64_t regions = (target + options.width + 1) * sizeof(shared::CollapseRegion);
   const std::uint64_t arenas = sizeof(float) * (sizes.arena_words + sizes.join_arena_words);
   const std::uint64_t boxes = sizeof(shared::Box) * std::uint64_t{sizes.nodes};
-  const std::uint64_t keys = sizeof(std::uint64_t) * count;
-  const std::uint64_t other_keys = sizeof(std::uint64_t) * std::max<std::uint64_t>(count, sizes.nodes / 2 + 1);
+  const std::uint64_t keys = sizeof(std::uint64_t) * std::max<std::uint64_t>(count, sizes.nodes / 2 + 1);
   const std::uint64_t binary = sizeof(shared::BinaryNode) * std::uint64_t{sizes.nodes};
+  const std::uint64_t top =
+      sizes.top_nodes > 0 ? (2 * sizes.top_nodes + 1) * std::uint64_t{sizeof(shared::TopNode)} : 0;
   AccelMemory memory;
   memory.tree = kept + nodes * node_bytes + leaves * blocks_a_leaf * block_bytes + regions;
-  memory.peak = std::max(kept + boxes + keys + other_keys + binary + arenas, binary + other_keys + memory.tree);
+  memory.peak = std::max(kept + boxes + 2 * keys + binary + arenas, binary + top + keys + memory.tree);
   return memory;
 }
 
@@ -96,7 +101,11 @@ BinaryTreeSizes binary_tree_sizes(std::uint32_t count, TreeBuilder builder, cons
       std::min<std::uint64_t>(std::uint64_t{sizes.groups} * kSweepDepth * sizes.limit, count));
   sizes.arena_words = sizes.groups * arena_words(sizes.arena_capacity);
   sizes.join_arena_words = arena_words(sizes.join_capacity);
-  sizes.nodes = std::max(count + sizes.join_capacity, 1U);
+  if (builder == TreeBuilder::quality && count >= kFewestWithTop) {
+    sizes.top_nodes = std::min(profile.top_nodes, count / kPrimitivesPerTopNode);
+  }
+  sizes.top_first = std::max(count + sizes.join_capacity, 1U);
+  sizes.nodes = sizes.top_first + sizes.top_nodes;
   return sizes;
 }
 

@@ -19,7 +19,9 @@ struct BinaryTreeSizes {
   std::uint32_t join_capacity = 0;    ///< clusters that all chunks together may leave
   std::size_t arena_words = 0;        ///< floats of all chunks' arenas
   std::size_t join_arena_words = 0;
-  std::uint32_t nodes = 1;  ///< the binary tree's slots: chunks have theirs first, then comes the join
+  std::uint32_t top_nodes = 0;  ///< of a quality tree that move to where they cost less; 0: the tree is too small
+  std::uint32_t top_first = 0;  ///< the slots of the binary tree that they come back to
+  std::uint32_t nodes = 1;      ///< its slots: first those of the chunks, then of the join, then of the top
 };
 
 /// For a tree of `count` primitives.

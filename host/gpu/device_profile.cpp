@@ -82,6 +82,7 @@ DeviceProfile class_profile(const DeviceInfo& device) {
     profile.cluster_chunks = 512;
     profile.cluster_limit = 16;
     profile.cluster_keep = 8;
+    profile.top_nodes = 1024;
     profile.collapse_regions = 2048;
   } else {
     profile.chunks = static_cast<std::uint32_t>(device.compute_units) * 4;

@@ -42,47 +42,46 @@ static inline void share_ways(const Ways* a, const Ways* b, uint* shared) {
   }
 }
 
-// cuts[n] and costs[n W + k] of the nodes n in ranges[first + g each] ... [first + (g + 1) each - 1], in this order;
-// their children must be done. A subtree of at most max_leaf primitives is a leaf, unless it is so large that several
-// leaves may cost less: rays through a room need not test all its walls. Launch: G items.
+// cuts[n] and costs[n W + k] of the nodes n in ranges[first + g], in this order; their children must be done. A subtree
+// of at most max_leaf primitives is a leaf, unless it is so large that several leaves may cost less: rays through a
+// room need not test all its walls. Launch: G items.
 kernel void bvh_cut_ranges(global const BinaryNode* restrict binary, global const uint2* restrict ranges,
-                           const uint first, const uint each, global float* costs, global uint* cuts,
-                           const float4 metric, const uint max_leaf) {
+                           const uint first, global float* costs, global uint* cuts, const float4 metric,
+                           const uint max_leaf) {
   const uint g = (uint)get_global_id(0);
-  for (uint r = first + g * each; r < first + (g + 1) * each; r++) {
-    for (uint n = ranges[r].x; n < ranges[r].y; n++) {
-      const BinaryNode node = binary[n];
-      const uint primitives = node.child.z + node.child.w;
-      const Box left = left_box(node), right = right_box(node);
-      const float entry = entry_cost(box_union(left, right), metric);
-      if (primitives <= max_leaf && entry <= HR_LARGE_LEAF) {
-        cuts[n] = HR_CUT_LEAF;
-        continue;
-      }
-      const Ways a = ways_of((int)node.child.x, node.child.z, left, costs, cuts, metric);
-      const Ways b = ways_of((int)node.child.y, node.child.w, right, costs, cuts, metric);
-      uint shared[HR_W];
-      share_ways(&a, &b, shared);
-      Ways here;
-      uint cut = 0;
-      // As one child: a node of its own, whose W children both sides share, or a leaf.
-      const float as_leaf = leaf_cost(entry, primitives);
-      here.cost[0] = 0.0f;
-      here.cost[1] = entry + as_float(shared[HR_W - 1] & ~7u);
-      if (primitives <= max_leaf && as_leaf <= here.cost[1]) {
-        here.cost[1] = as_leaf;
-        cut = HR_CUT_LEAF;
-      } else {
-        cut = (shared[HR_W - 1] & 7u) << HR_CUT_SHIFT(HR_W);
-      }
-      // As up to j children: no more than j - 1 of them, or both sides share them.
-      for (uint j = 2; j < HR_W; j++) {
-        const float split = as_float(shared[j - 1] & ~7u);
-        if (split < here.cost[j - 1]) cut |= (shared[j - 1] & 7u) << HR_CUT_SHIFT(j);
-        here.cost[j] = min(split, here.cost[j - 1]);
-      }
-      cuts[n] = cut;
-      for (uint k = 0; k < HR_W; k++) costs[(ulong)n * HR_W + k] = here.cost[k];
+  const uint2 range = ranges[first + g];
+  for (uint n = range.x; n < range.y; n++) {
+    const BinaryNode node = binary[n];
+    const uint primitives = node.child.z + node.child.w;
+    const Box left = left_box(node), right = right_box(node);
+    const float entry = entry_cost(box_union(left, right), metric);
+    if (primitives <= max_leaf && entry <= HR_LARGE_LEAF) {
+      cuts[n] = HR_CUT_LEAF;
+      continue;
     }
+    const Ways a = ways_of((int)node.child.x, node.child.z, left, costs, cuts, metric);
+    const Ways b = ways_of((int)node.child.y, node.child.w, right, costs, cuts, metric);
+    uint shared[HR_W];
+    share_ways(&a, &b, shared);
+    Ways here;
+    uint cut = 0;
+    // As one child: a node of its own, whose W children both sides share, or a leaf.
+    const float as_leaf = leaf_cost(entry, primitives);
+    here.cost[0] = 0.0f;
+    here.cost[1] = entry + as_float(shared[HR_W - 1] & ~7u);
+    if (primitives <= max_leaf && as_leaf <= here.cost[1]) {
+      here.cost[1] = as_leaf;
+      cut = HR_CUT_LEAF;
+    } else {
+      cut = (shared[HR_W - 1] & 7u) << HR_CUT_SHIFT(HR_W);
+    }
+    // As up to j children: no more than j - 1 of them, or both sides share them.
+    for (uint j = 2; j < HR_W; j++) {
+      const float split = as_float(shared[j - 1] & ~7u);
+      if (split < here.cost[j - 1]) cut |= (shared[j - 1] & 7u) << HR_CUT_SHIFT(j);
+      here.cost[j] = min(split, here.cost[j - 1]);
+    }
+    cuts[n] = cut;
+    for (uint k = 0; k < HR_W; k++) costs[(ulong)n * HR_W + k] = here.cost[k];
   }
 }

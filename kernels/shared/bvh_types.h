@@ -39,6 +39,20 @@ typedef struct BinaryNode {
 
 #define HR_REGION_FLAG 0x40000000 /* in a draft of the top: child is a region */
 
+// A node of the binary tree's top while its nodes move (bvh/top_tree.h). Node 0 is the root.
+typedef struct TopNode {
+  float4 lo;  // [m]
+  float4 hi;
+  int left;  // of the top; -1: not opened, all below stays as it is
+  int right;
+  int parent;       // -1: the root
+  int reference;    // in the binary tree: node or ~primitive
+  uint primitives;  // below
+  int target;       // node to become the sibling of; -1: none
+  uint pad0;
+  uint pad1;
+} TopNode;
+
 // A part of the tree that one work-item collapses. Region 0 is the top, the others hang below it.
 typedef struct CollapseRegion {
   int root;          // binary node

@@ -35,6 +35,7 @@ static_assert(sizeof(shared::Light) == 112 && alignof(shared::Light) == 16);
 static_assert(sizeof(shared::Emitter) == 16);
 static_assert(sizeof(shared::Box) == 32 && alignof(shared::Box) == 16);
 static_assert(sizeof(shared::BinaryNode) == 64 && alignof(shared::BinaryNode) == 16);
+static_assert(sizeof(shared::TopNode) == 64 && alignof(shared::TopNode) == 16);
 static_assert(sizeof(shared::CollapseRegion) == 48);
 static_assert(sizeof(shared::BoundsPartial) == 80 && alignof(shared::BoundsPartial) == 16);
 static_assert(sizeof(shared::QueryRay) == 32 && alignof(shared::QueryRay) == 16);
@@ -86,6 +87,10 @@ const std::vector<Layout>& layouts() {
       {"Emitter", sizeof(shared::Emitter), {HR_FOUR(Emitter, primitive, cumulative, inverse_pdf, pad)}},
       {"Box", sizeof(shared::Box), {HR_MEMBER(Box, lo), HR_MEMBER(Box, hi)}},
       {"BinaryNode", sizeof(shared::BinaryNode), {HR_FOUR(BinaryNode, x, y, z, child)}},
+      {"TopNode",
+       sizeof(shared::TopNode),
+       {HR_FOUR(TopNode, lo, hi, left, right), HR_FOUR(TopNode, parent, reference, primitives, target),
+        HR_MEMBER(TopNode, pad0), HR_MEMBER(TopNode, pad1)}},
       {"CollapseRegion",
        sizeof(shared::CollapseRegion),
        {HR_FOUR(CollapseRegion, root, primitives, stack_load, parent_slot),
