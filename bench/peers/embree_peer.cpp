@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
@@ -17,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/clock.hpp"
 #include "host/base/error.hpp"
 
 namespace hemiray::bench {
@@ -63,18 +63,31 @@ void for_chunks(unsigned threads, std::size_t count, const Work& work) {
   run();
 }
 
-void fill(RTCRay& to, const shared::QueryRay& from) {
+// Embree's queries come with room for a hit (closest hits) or without (any hit): what differs is in these overloads.
+
+RTCRay& ray_of(RTCRayHit& query) { return query.ray; }
+RTCRay& ray_of(RTCRay& query) { return query; }
+auto& ray_of(RTCRayHit8& query) { return query.ray; }
+auto& ray_of(RTCRay8& query) { return query; }
+auto& ray_of(RTCRayHit16& query) { return query.ray; }
+auto& ray_of(RTCRay16& query) { return query; }
+
+template <typename Query>
+void fill(Query& query, const shared::QueryRay& from) {
+  RTCRay& to = ray_of(query);
   to.org_x = from.origin.x, to.org_y = from.origin.y, to.org_z = from.origin.z, to.tnear = from.origin.w;
   to.dir_x = from.direction.x, to.dir_y = from.direction.y, to.dir_z = from.direction.z, to.tfar = from.direction.w;
   to.time = 0.0F;
   to.mask = ~0U;
   to.id = to.flags = 0;
+  if constexpr (std::is_same_v<Query, RTCRayHit>) {
+    query.hit.primID = query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  }
 }
 
-void clear(RTCHit& hit) { hit.primID = hit.geomID = hit.instID[0] = RTC_INVALID_GEOMETRY_ID; }
-
 template <typename Packet>
-void fill_lane(Packet& to, std::size_t lane, const shared::QueryRay& from) {
+void fill_lane(Packet& query, std::size_t lane, const shared::QueryRay& from) {
+  auto& to = ray_of(query);
   to.org_x[lane] = from.origin.x, to.org_y[lane] = from.origin.y, to.org_z[lane] = from.origin.z;
   to.tnear[lane] = from.origin.w;
   to.dir_x[lane] = from.direction.x, to.dir_y[lane] = from.direction.y, to.dir_z[lane] = from.direction.z;
@@ -82,6 +95,45 @@ void fill_lane(Packet& to, std::size_t lane, const shared::QueryRay& from) {
   to.time[lane] = 0.0F;
   to.mask[lane] = ~0U;
   to.id[lane] = to.flags[lane] = 0;
+  if constexpr (requires { query.hit; }) {
+    query.hit.primID[lane] = query.hit.geomID[lane] = query.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+  }
+}
+
+std::uint32_t is_occluded(float t_far) { return t_far < 0 ? 1 : 0; }  // Embree sets -infinity
+
+void read(const RTCRay& found, std::uint32_t& occluded) { occluded = is_occluded(found.tfar); }
+void read(const RTCRayHit& found, shared::QueryHit& hit) {
+  hit = {found.ray.tfar, found.hit.u, found.hit.v, found.hit.primID};
+}
+template <typename Packet>
+void read_lane(const Packet& found, std::size_t lane, std::uint32_t& occluded) {
+  occluded = is_occluded(found.tfar[lane]);
+}
+template <typename Packet>
+void read_lane(const Packet& found, std::size_t lane, shared::QueryHit& hit) {
+  hit = {found.ray.tfar[lane], found.hit.u[lane], found.hit.v[lane], found.hit.primID[lane]};
+}
+
+void ask(RTCScene scene, RTCIntersectContext& context, RTCRayHit& query) { rtcIntersect1(scene, &context, &query); }
+void ask(RTCScene scene, RTCIntersectContext& context, RTCRay& query) { rtcOccluded1(scene, &context, &query); }
+void ask(RTCScene scene, RTCIntersectContext& context, const int* valid, RTCRayHit8& query) {
+  rtcIntersect8(valid, scene, &context, &query);
+}
+void ask(RTCScene scene, RTCIntersectContext& context, const int* valid, RTCRay8& query) {
+  rtcOccluded8(valid, scene, &context, &query);
+}
+void ask(RTCScene scene, RTCIntersectContext& context, const int* valid, RTCRayHit16& query) {
+  rtcIntersect16(valid, scene, &context, &query);
+}
+void ask(RTCScene scene, RTCIntersectContext& context, const int* valid, RTCRay16& query) {
+  rtcOccluded16(valid, scene, &context, &query);
+}
+void ask(RTCScene scene, RTCIntersectContext& context, RTCRayHit* queries, unsigned count) {
+  rtcIntersect1M(scene, &context, queries, count, sizeof(RTCRayHit));
+}
+void ask(RTCScene scene, RTCIntersectContext& context, RTCRay* queries, unsigned count) {
+  rtcOccluded1M(scene, &context, queries, count, sizeof(RTCRay));
 }
 
 RTCIntersectContext context_for(bool coherent) {
@@ -91,95 +143,41 @@ RTCIntersectContext context_for(bool coherent) {
   return context;
 }
 
-// --- the four ways of asking, for rays [first, end) ---
+// --- the ways of asking, for `count` rays ---
 
-void intersect_single(RTCScene scene, const shared::QueryRay* rays, shared::QueryHit* hits, std::size_t count) {
+template <typename Query, typename Answer>
+void trace_single(RTCScene scene, const shared::QueryRay* rays, Answer* answers, std::size_t count) {
   RTCIntersectContext context = context_for(false);
   for (std::size_t i = 0; i < count; i++) {
-    RTCRayHit query;
-    fill(query.ray, rays[i]);
-    clear(query.hit);
-    rtcIntersect1(scene, &context, &query);
-    hits[i] = {query.ray.tfar, query.hit.u, query.hit.v, query.hit.primID};
-  }
-}
-
-void occluded_single(RTCScene scene, const shared::QueryRay* rays, std::uint32_t* occluded, std::size_t count) {
-  RTCIntersectContext context = context_for(false);
-  for (std::size_t i = 0; i < count; i++) {
-    RTCRay query;
+    Query query;
     fill(query, rays[i]);
-    rtcOccluded1(scene, &context, &query);
-    occluded[i] = query.tfar < 0 ? 1 : 0;  // Embree sets -infinity
+    ask(scene, context, query);
+    read(query, answers[i]);
   }
 }
 
-template <std::size_t kWidth>
-void intersect_packets(RTCScene scene, const shared::QueryRay* rays, shared::QueryHit* hits, std::size_t count) {
-  using RayHits = std::conditional_t<kWidth == 8, RTCRayHit8, RTCRayHit16>;
+template <typename Packet, std::size_t kWidth, typename Answer>
+void trace_packets(RTCScene scene, const shared::QueryRay* rays, Answer* answers, std::size_t count) {
   RTCIntersectContext context = context_for(true);
   alignas(64) std::array<int, kWidth> valid;
   valid.fill(-1);
-  alignas(64) RayHits query;
-  for (std::size_t first = 0; first < count; first += kWidth) {
-    for (std::size_t lane = 0; lane < kWidth; lane++) {
-      fill_lane(query.ray, lane, rays[first + lane]);
-      query.hit.primID[lane] = query.hit.geomID[lane] = query.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    }
-    if constexpr (kWidth == 8) {
-      rtcIntersect8(valid.data(), scene, &context, &query);
-    } else {
-      rtcIntersect16(valid.data(), scene, &context, &query);
-    }
-    for (std::size_t lane = 0; lane < kWidth; lane++) {
-      hits[first + lane] = {query.ray.tfar[lane], query.hit.u[lane], query.hit.v[lane], query.hit.primID[lane]};
-    }
-  }
-}
-
-template <std::size_t kWidth>
-void occluded_packets(RTCScene scene, const shared::QueryRay* rays, std::uint32_t* occluded, std::size_t count) {
-  using Rays = std::conditional_t<kWidth == 8, RTCRay8, RTCRay16>;
-  RTCIntersectContext context = context_for(true);
-  alignas(64) std::array<int, kWidth> valid;
-  valid.fill(-1);
-  alignas(64) Rays query;
+  alignas(64) Packet query;
   for (std::size_t first = 0; first < count; first += kWidth) {
     for (std::size_t lane = 0; lane < kWidth; lane++) fill_lane(query, lane, rays[first + lane]);
-    if constexpr (kWidth == 8) {
-      rtcOccluded8(valid.data(), scene, &context, &query);
-    } else {
-      rtcOccluded16(valid.data(), scene, &context, &query);
-    }
-    for (std::size_t lane = 0; lane < kWidth; lane++) occluded[first + lane] = query.tfar[lane] < 0 ? 1 : 0;
+    ask(scene, context, valid.data(), query);
+    for (std::size_t lane = 0; lane < kWidth; lane++) read_lane(query, lane, answers[first + lane]);
   }
 }
 
-void intersect_streams(RTCScene scene, const shared::QueryRay* rays, shared::QueryHit* hits, std::size_t count) {
+template <typename Query, typename Answer>
+void trace_streams(RTCScene scene, const shared::QueryRay* rays, Answer* answers, std::size_t count) {
   RTCIntersectContext context = context_for(true);
-  std::array<RTCRayHit, kStream> queries;
-  for (std::size_t first = 0; first < count; first += kStream) {
-    const std::size_t size = std::min(kStream, count - first);
-    for (std::size_t i = 0; i < size; i++) {
-      fill(queries[i].ray, rays[first + i]);
-      clear(queries[i].hit);
-    }
-    rtcIntersect1M(scene, &context, queries.data(), static_cast<unsigned>(size), sizeof(RTCRayHit));
-    for (std::size_t i = 0; i < size; i++) {
-      const RTCRayHit& found = queries[i];
-      hits[first + i] = {found.ray.tfar, found.hit.u, found.hit.v, found.hit.primID};
-    }
-  }
-}
-
-void occluded_streams(RTCScene scene, const shared::QueryRay* rays, std::uint32_t* occluded, std::size_t count) {
-  RTCIntersectContext context = context_for(true);
-  std::array<RTCRay, kStream> queries;
+  std::array<Query, kStream> queries;
   for (std::size_t first = 0; first < count; first += kStream) {
     const std::size_t size = std::min(kStream, count - first);
     for (std::size_t i = 0; i < size; i++) fill(queries[i], rays[first + i]);
-    rtcOccluded1M(scene, &context, queries.data(), static_cast<unsigned>(size), sizeof(RTCRay));
-    for (std::size_t i = 0; i < size; i++) occluded[first + i] = queries[i].tfar < 0 ? 1 : 0;
+    ask(scene, context, queries.data(), static_cast<unsigned>(size));
+    for (std::size_t i = 0; i < size; i++) read(queries[i], answers[first + i]);
   }
 }
 
@@ -227,11 +225,11 @@ class EmbreeScene {
     check(device_, "setting up the scene");
 
     const FlushDenormals flush;
-    const auto start = std::chrono::steady_clock::now();
+    const double start = steady_ms();
     rtcCommitScene(scene_);
-    const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
+    const double taken = steady_ms() - start;
     check(device_, "building the scene");
-    return taken.count();
+    return taken;
   }
 
   [[nodiscard]] RTCScene handle() const { return scene_; }
@@ -286,20 +284,17 @@ class EmbreePeer final : public Tracer {
     hits_.assign(rays.size(), {0.0F, 0.0F, 0.0F, HR_NO_PRIMITIVE});
     occlusions_.assign(rays.size(), 0);
   }
-  void intersect() override {
-    constexpr std::array kWays{intersect_single, intersect_packets<8>, intersect_packets<16>, intersect_streams};
-    ask(kWays[static_cast<std::size_t>(settings_.mode)], hits_.data());
-  }
-  void occluded() override {
-    constexpr std::array kWays{occluded_single, occluded_packets<8>, occluded_packets<16>, occluded_streams};
-    ask(kWays[static_cast<std::size_t>(settings_.mode)], occlusions_.data());
-  }
+  void intersect() override { trace<RTCRayHit, RTCRayHit8, RTCRayHit16>(hits_.data()); }
+  void occluded() override { trace<RTCRay, RTCRay8, RTCRay16>(occlusions_.data()); }
   std::vector<shared::QueryHit> hits() override { return hits_; }
   std::vector<std::uint32_t> occlusions() override { return occlusions_; }
 
  private:
-  template <typename Way, typename Answer>
-  void ask(Way way, Answer* answers) {
+  template <typename Query, typename Packet8, typename Packet16, typename Answer>
+  void trace(Answer* answers) {
+    constexpr std::array kWays{trace_single<Query, Answer>, trace_packets<Packet8, 8, Answer>,
+                               trace_packets<Packet16, 16, Answer>, trace_streams<Query, Answer>};
+    const auto way = kWays[static_cast<std::size_t>(settings_.mode)];
     if (!scene_) throw std::logic_error("rays before a build");
     for_chunks(settings_.threads, rays_.size(), [&](std::size_t first, std::size_t end) {
       way(scene_->handle(), rays_.data() + first, answers + first, end - first);

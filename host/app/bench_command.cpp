@@ -37,7 +37,7 @@ differs is INVALID. With --bars the exit code is 3 unless every bar that was mea
 
 constexpr int kQuickRounds = 7, kRounds = 11;
 // Six parts at two sizes: with this much for each, --quick ends within five minutes where others work, too.
-constexpr double kQuickMs = 10'000.0;
+constexpr double kQuickMs = 6'000.0;
 constexpr std::size_t kMaxBarsBytes = std::size_t{1} << 20U;
 
 struct BenchArguments {

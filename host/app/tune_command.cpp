@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
 #include "host/app/commands.hpp"
 #include "host/base/atomic_file.hpp"
+#include "host/base/clock.hpp"
 #include "host/base/error.hpp"
 #include "host/base/progress.hpp"
 #include "host/bench/ray_sets.hpp"
@@ -32,10 +32,6 @@ struct TuneArguments {
   bool quiet = false;
 };
 
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 // One build of the quality tree, then primary rays in packets, shadow and diffuse rays one by one [ms].
 double cost_of(const DeviceInfo& device, const DeviceProfile& profile, const bench::BenchScene& scene,
                const std::vector<bench::RaySet>& sets) {
@@ -55,14 +51,14 @@ double cost_of(const DeviceInfo& device, const DeviceProfile& profile, const ben
     RayQueries& queries = set.common_origin ? packets : single;
     double least = 0.0;
     for (int run = 0; run < 3; run++) {  // the first one compiles
-      const double start = now_ms();
+      const double start = steady_ms();
       if (set.any_hit) {
         queries.occluded(rays, occluded, count);
       } else {
         queries.intersect(rays, hits, count);
       }
       context.finish();
-      const double took = now_ms() - start;
+      const double took = steady_ms() - start;
       least = run <= 1 ? took : std::min(least, took);
     }
     sum += least;

@@ -1,31 +1,25 @@
 #include "host/bench/run.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
+
+#include "host/base/clock.hpp"
 
 namespace hemiray::bench {
 namespace {
 
-double milliseconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
 // When an effort is over; the first round, 0, is not timed.
 class Rounds {
  public:
-  explicit Rounds(const Effort& effort) : effort_(effort), start_(std::chrono::steady_clock::now()) {}
+  explicit Rounds(const Effort& effort) : effort_(effort), start_(steady_ms()) {}
   [[nodiscard]] bool end_after(int round) const {
-    const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start_;
-    return round >= effort_.rounds || (round >= kLeastRounds && taken.count() >= effort_.enough_ms);
+    return round >= effort_.rounds || (round >= kLeastRounds && steady_ms() - start_ >= effort_.enough_ms);
   }
 
  private:
   Effort effort_;
-  std::chrono::steady_clock::time_point start_;
+  double start_;  // [ms]
 };
 
 // A tracer's answers to one set; one of the two is empty.
@@ -139,8 +133,9 @@ std::vector<TraceTimes> run_traces(const Tracers& tracers, const RaySet& set, co
   for (int round = 0; !last; round++) {
     for (std::size_t i = 0; i < taking_part.size(); i++) {
       Tracer& tracer = *taking_part[i];
-      const double taken = milliseconds_of([&] { set.any_hit ? tracer.occluded() : tracer.intersect(); });
-      if (round > 0) ms[i].push_back(taken);
+      const double start = steady_ms();
+      set.any_hit ? tracer.occluded() : tracer.intersect();
+      if (round > 0) ms[i].push_back(steady_ms() - start);
       if (tick) tick();
     }
     last = rounds.end_after(round);

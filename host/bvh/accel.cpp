@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
+#include "host/base/clock.hpp"
 #include "host/base/error.hpp"
 #include "host/bvh/accel_memory.hpp"
 #include "shared/features.h"
@@ -20,10 +20,6 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr unsigned kMortonBits = 33;
 
 constexpr int kTopPasses = 3;  // of moving nodes; what is best for one changes as others move
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void grow(shared::float4& lo, shared::float4& hi, const shared::float4& part_lo, const shared::float4& part_hi) {
   lo = {std::min(lo.x, part_lo.x), std::min(lo.y, part_lo.y), std::min(lo.z, part_lo.z), 0.0F};
@@ -102,7 +98,7 @@ Accel::Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions
   config_.explicit_vectors = options.explicit_vectors != 0;
   config_.kind = options.kind;
   options_ = options;
-  const double start = now_ms();
+  const double start = steady_ms();
   const double compile_start = context.launch_compile_ms();
   input_ = scene.world();
   if (options.kind != AccelKind::bvh) {
@@ -114,7 +110,7 @@ Accel::Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions
   } else {
     build_tree(scene, options, input_);
   }
-  statistics_.build_ms = now_ms() - start - (context.launch_compile_ms() - compile_start);
+  statistics_.build_ms = steady_ms() - start - (context.launch_compile_ms() - compile_start);
 }
 
 void Accel::build_tree(const DeviceScene& scene, const AccelOptions& options, const TreeInput& input) {

@@ -1,19 +1,12 @@
 #include "host/gpu/profiler.hpp"
 
-#include <chrono>
+#include "host/base/clock.hpp"
 
 namespace hemiray {
-namespace {
 
-double steady_us() {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+Profiler::Profiler() : origin_us_(1e3 * steady_ms()) {}
 
-}  // namespace
-
-Profiler::Profiler() : origin_us_(steady_us()) {}
-
-double Profiler::now_us() const { return steady_us() - origin_us_; }
+double Profiler::now_us() const { return 1e3 * steady_ms() - origin_us_; }
 
 std::size_t Profiler::stage_index(const std::string& name) {
   for (std::size_t i = 0; i < stages_.size(); i++) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/base/atomic_file.hpp"
+#include "host/base/clock.hpp"
 #include "host/gpu/cl_error.hpp"
 #include "host/gpu/source_store.hpp"
 
@@ -44,10 +45,6 @@ std::vector<std::string> query_argument_names(const cl::Kernel& kernel) {
   const cl_uint count = kernel.getInfo<CL_KERNEL_NUM_ARGS>();
   for (cl_uint i = 0; i < count; i++) names.push_back(trimmed_name(kernel.getArgInfo<CL_KERNEL_ARG_NAME>(i)));
   return names;
-}
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 // The first line that names an error, else the first that says anything.
@@ -90,12 +87,12 @@ Program::Program(Context& context, std::string name, const std::vector<std::stri
                  const ProgramOptions& options)
     : context_(&context), name_(std::move(name)), source_(flatten_kernels(files)) {
   const double start_us = context.profiler().now_us();
-  const double start = now_ms();
+  const double start = steady_ms();
   const std::string text = compile_options(context.device(), context.profile(), options);
   key_ = program_key(source_prelude(context.device()) + source_, text, context.device());
   dump_source(name_, source_);
   if (!build_from_cache(text)) build_from_source(text);
-  build_ms_ = now_ms() - start;
+  build_ms_ = steady_ms() - start;
   context.profiler().record_host(fmt::format("compile {}{}", name_, from_cache_ ? " (cached)" : ""), "compile",
                                  start_us, context.profiler().now_us() - start_us);
 }

@@ -1,7 +1,6 @@
 #include "host/path/render_setup.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 #include <fmt/format.h>
 
@@ -28,10 +27,6 @@ void check_range(const char* option, int value, int least, int most) {
 }
 
 }  // namespace
-
-double steady_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 RenderSetup::RenderSetup(const Scene& scene_given, const RenderOptions& options_given)
     : scene(scene_given),

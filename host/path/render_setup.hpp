@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "host/base/clock.hpp"
 #include "host/gpu/device.hpp"
 #include "host/gpu/device_profile.hpp"
 #include "host/path/render.hpp"
@@ -12,9 +13,6 @@
 #include "shared/params.h"
 
 namespace hemiray {
-
-/// Milliseconds of the steady clock.
-double steady_ms();
 
 /// Scene and options must outlive it.
 struct RenderSetup {
