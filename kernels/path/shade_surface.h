@@ -33,6 +33,7 @@ static inline uint stage_shade_surface(const PathContext* context, PathState* s)
   s->kd = vec4(surface.kd, surface.shininess);
   s->ks = vec4(surface.ks, 0);
   s->surface = (uint4)(surface.material, surface.front, hit.primitive, 0);
+  s->shadow_origin = s->shadow_direction = s->shadow_radiance = (real4)(0);
   s->shadow_cursor = (uint4)(0);
   return HR_HAS(LIGHTS) ? next_light_sample(context, s) : after_lights(context, s);
 }

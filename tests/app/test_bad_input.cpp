@@ -127,6 +127,8 @@ TEST_CASE("bad input: the command line") {
   refuse({"--exposure", "nan", "--png", (folder / "a.png").string()}, {"--exposure", "not a number"});
   refuse({"--exposure", "65"}, {"--exposure"});
   refuse({"--engine", "wavefrnt"}, {"--engine", "wavefrnt", "wavefront", "megakernel"});
+  refuse({"--rays", "packet"}, {"--rays", "packet", "single", "packets", "sorted"});
+  refuse({"--rays", "packets", "--strict"}, {"--rays packets", "--strict"});
   refuse({"--nonsense"}, {"--nonsense", "--help"});
   refuse({"--size"}, {"--size"});
   refuse({"another.json"}, {"another.json"});

@@ -131,9 +131,10 @@ TEST_CASE("the picture's header says how it was made") {
   CHECK_FALSE(header["commit"].empty());
   CHECK_THAT(header["device"], Catch::Contains(device["name"].get<std::string>()));
   CHECK(header["driver"] == device["driver"]);
-  CHECK(header["options"] ==
-        "--engine megakernel --accel bvh --tree quality --triangle watertight --size 20x10 --spp 2 --depth 2 --seed 77 "
-        "--strict");
+  CHECK(
+      header["options"] ==
+      "--engine megakernel --accel bvh --tree quality --triangle watertight --rays auto --size 20x10 --spp 2 --depth 2 "
+      "--seed 77 --strict");
   CHECK(header["engine"] == "megakernel");
   CHECK(header["seed"] == "77");
   CHECK(header["samples"] == "2");
@@ -254,7 +255,7 @@ TEST_CASE("render --trace is a timeline in Chrome's format") {
     if (event["cat"] == "kernel") kernels.insert(event["name"].get<std::string>());
   }
   CHECK(threads == std::set<std::string>{"host", "device"});
-  for (const char* name : {"path_generate", "path_shade_surface", "path_scatter", "bvh_emit_nodes"}) {
+  for (const char* name : {"path_generate", "path_shade_surface", "path_scatter", "bvh_emit_regions"}) {
     CHECK(kernels.count(name) == 1);
   }
 }

@@ -256,13 +256,15 @@ TEST_CASE("tiny: both engines render a room") {
   }
 }
 
-TEST_CASE("tiny: packets and sorted rays render what single rays do") {
+TEST_CASE("packets and sorted rays render what single rays do, in trees two wide") {
   RenderOptions options;
   options.width = options.height = 6;
   options.spp = 1;
   options.depth = 2;
   Scene scene = small_room();
   scene.lights.resize(1);  // the point
+  options.accel.width = options.accel.leaf_lanes = options.accel.max_leaf = 2;
+  options.accel.explicit_vectors = 1;
   Context context(choose_device(""));
   options.rays = RayGrouping::single;
   const Image single = render_scene(context, scene, options).image;
