@@ -24,10 +24,10 @@ class Buffer {
       : context_(&context), name_(std::move(name)), size_(size), bytes_(std::max<std::size_t>(size, 1) * sizeof(T)) {
     context.account_allocation(bytes_, name_);
     try {
-      if (context.device().kind == DeviceKind::cpu && bytes_ >= kHugeMemoryBytes) memory_ = allocate_huge(bytes_);
+      memory_ = context.take_host_memory(bytes_);
       cl_guard("allocating " + name_, [this] {
-        const cl_mem_flags flags = CL_MEM_READ_WRITE | (memory_ ? CL_MEM_USE_HOST_PTR : 0);
-        handle_ = cl::Buffer(context_->handle(), flags, bytes_, memory_.get());
+        const cl_mem_flags flags = CL_MEM_READ_WRITE | (memory_.memory ? CL_MEM_USE_HOST_PTR : 0);
+        handle_ = cl::Buffer(context_->handle(), flags, bytes_, memory_.memory.get());
       });
     } catch (...) {
       context.account_release(bytes_);
@@ -46,7 +46,10 @@ class Buffer {
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
   ~Buffer() {
-    if (context_ != nullptr) context_->account_release(bytes_);
+    if (context_ == nullptr) return;
+    context_->account_release(bytes_);
+    handle_ = cl::Buffer();
+    context_->keep_host_memory(std::move(memory_));
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -97,7 +100,7 @@ class Buffer {
   std::string name_;
   std::size_t size_ = 0;
   std::size_t bytes_ = 0;
-  HostMemory memory_;  ///< of large buffers on CPU devices; outlives the handle
+  HostMemory memory_;  ///< of large buffers on CPU devices; outlives the handle, and waits in the context after it
   cl::Buffer handle_;
 };
 

@@ -1,6 +1,7 @@
 #include "host/gpu/context.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -42,6 +43,15 @@ void Context::account_allocation(std::uint64_t bytes, const std::string& name) {
   }
   allocated_bytes_ += bytes;
   peak_bytes_ = std::max(peak_bytes_, allocated_bytes_);
+}
+
+HostMemory Context::take_host_memory(std::uint64_t bytes) {
+  if (device_.kind != DeviceKind::cpu || bytes < kHugeMemoryBytes) return {};
+  return idle_.take(bytes, peak_bytes_ - allocated_bytes_);
+}
+
+void Context::keep_host_memory(HostMemory memory) noexcept {
+  if (memory.memory) idle_.keep(std::move(memory));
 }
 
 }  // namespace hemiray

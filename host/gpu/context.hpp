@@ -6,6 +6,7 @@
 
 #include "host/gpu/device.hpp"
 #include "host/gpu/device_profile.hpp"
+#include "host/gpu/host_memory.hpp"
 #include "host/gpu/profiler.hpp"
 
 namespace hemiray {
@@ -43,6 +44,12 @@ class Context {
   [[nodiscard]] std::uint64_t allocated_bytes() const { return allocated_bytes_; }
   [[nodiscard]] std::uint64_t peak_bytes() const { return peak_bytes_; }
 
+  /// Memory for a large buffer on a CPU device, empty for any other: freed before, if some fits, so that building again
+  /// finds its pages there. What waits and what is in use are never more than was in use at the peak.
+  HostMemory take_host_memory(std::uint64_t bytes);
+  void keep_host_memory(HostMemory memory) noexcept;
+  [[nodiscard]] std::uint64_t idle_bytes() const { return idle_.bytes(); }
+
  private:
   DeviceInfo device_;
   DeviceProfile profile_;
@@ -51,6 +58,7 @@ class Context {
   Profiler profiler_;
   std::uint64_t allocated_bytes_ = 0;
   std::uint64_t peak_bytes_ = 0;
+  IdleHostMemory idle_;
   double launch_compile_ms_ = 0.0;
   std::size_t kernels_compiled_ = 0;
 };

@@ -68,6 +68,50 @@ TEST_CASE("the memory account counts what lives, and remembers the peak") {
   CHECK(context.peak_bytes() == 8400);
 }
 
+TEST_CASE("the memory of a large buffer serves the next one, within what was in use at the peak") {
+  Context context(choose_device(""));
+  if (context.device().kind != DeviceKind::cpu) return;
+  constexpr std::size_t kMiB = std::size_t{1} << 20U;
+  { const Buffer<char> small(context, "small", 2 * kMiB); }
+  CHECK(context.idle_bytes() == 0);
+  void* memory = nullptr;
+  const auto place = [](const Buffer<char>& buffer) {
+    void* host = nullptr;
+    buffer.handle().getInfo(CL_MEM_HOST_PTR, &host);
+    return host;
+  };
+  {
+    const Buffer<char> a(context, "a", 9 * kMiB);
+    memory = place(a);
+    CHECK(context.idle_bytes() == 0);
+  }
+  CHECK(context.idle_bytes() == 9 * kMiB);
+  {
+    const Buffer<char> b(context, "b", 8 * kMiB);
+    CHECK(place(b) == memory);
+    CHECK(context.idle_bytes() == 0);
+    const Buffer<char> c(context, "c", 5 * kMiB);
+    CHECK(context.peak_bytes() == 13 * kMiB);
+  }
+  CHECK(context.idle_bytes() == 13 * kMiB);
+  {
+    // Too large for what waits, which has to make room: 13 MiB were in use, 12 are.
+    const Buffer<char> d(context, "d", 12 * kMiB + kMiB / 2);
+    CHECK(context.idle_bytes() <= kMiB / 2);
+  }
+  {
+    // What would waste a third of itself is left to wait for others.
+    const Buffer<char> e(context, "e", 4 * kMiB);
+    CHECK(context.idle_bytes() + context.allocated_bytes() <= context.peak_bytes());
+  }
+  std::vector<Buffer<char>> many;
+  for (std::size_t i = 0; i < 40; i++) {
+    many.emplace_back(context, "one of many", (4 + i * 7 % 11) * kMiB);
+    if (i % 3 == 2) many.erase(many.begin());
+    CHECK(context.idle_bytes() + context.allocated_bytes() <= context.peak_bytes());
+  }
+}
+
 TEST_CASE("moving a buffer moves its share of the account") {
   Context context(choose_device(""));
   const std::vector<std::uint32_t> ones(10, 1U), twos(20, 2U);
