@@ -19,7 +19,9 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 // clustering makes up for.
 constexpr unsigned kMortonBits = 33;
 
-constexpr int kTopPasses = 3;  // of moving nodes; what is best for one changes as others move
+// Times that every node of the top may move: what is best for one changes as others move, so a sweep takes every sixth
+// node, six times.
+constexpr std::uint32_t kTopSweeps = 2, kTopShares = 6;
 
 void grow(shared::float4& lo, shared::float4& hi, const shared::float4& part_lo, const shared::float4& part_hi) {
   lo = {std::min(lo.x, part_lo.x), std::min(lo.y, part_lo.y), std::min(lo.z, part_lo.z), 0.0F};
@@ -237,9 +239,10 @@ void Accel::improve_top() {
   launch(context, program.kernel("bvh_open_top"), 1,
          arguments(counted, tree, arg("primitives", statistics_.primitives), arg("lo", statistics_.lo),
                    arg("hi", statistics_.hi), arg("capacity", capacity)));
-  for (int pass = 0; pass < kTopPasses; pass++) {
-    launch(context, program.kernel("bvh_find_places"), context.profile().chunks, counted);
-    launch(context, program.kernel("bvh_move_nodes"), 1, counted);
+  for (std::uint32_t pass = 0; pass < kTopSweeps * kTopShares; pass++) {
+    const Arguments share = arguments(counted, arg("first", pass % kTopShares), arg("stride", kTopShares));
+    launch(context, program.kernel("bvh_find_places"), context.profile().chunks, share);
+    launch(context, program.kernel("bvh_move_nodes"), 1, share);
   }
   launch(context, program.kernel("bvh_close_top"), 1,
          arguments(top, tree, arg("first", sizes.top_first), arg("node_ranges", scratch.node_ranges),

@@ -35,6 +35,7 @@ kernel void bvh_collapse_top(global const BinaryNode* restrict binary, global co
     waiting--;
     Children c;
     gather_children(binary, cuts, at.root, at.primitives, bounds, &c);
+    order_children(&c);
     const uint node = node_count++;
     if (node > 0) ((global int*)draft_nodes)[at.parent_slot] = (int)node;
     stack = max(stack, at.stack_load + c.size);
@@ -75,19 +76,33 @@ kernel void bvh_count_regions(global const BinaryNode* restrict binary, global c
   while (walk.size > 0) {
     Children c;
     int child[HR_W];
-    step_walk(&walk, binary, cuts, &c, child);
+    step_walk(&walk, binary, cuts, false, &c, child);
   }
   regions[g].nodes = walk.nodes;
   regions[g].blocks = walk.blocks;
   regions[g].stack = walk.stack;
 }
 
-// Where each region's nodes and blocks go: behind first_node nodes and first_block blocks of other trees. totals[1] =
-// nodes, [2] = blocks, [3] = stack. Launch: 1 item.
+// Where each region's nodes and blocks go: behind first_node nodes and first_block blocks of other trees, the top first
+// and then by size, as the nodes of a region (wide_walk.h). totals[1] = nodes, [2] = blocks, [3] = stack. Launch: 1
+// item.
 kernel void bvh_place_regions(global CollapseRegion* restrict regions, global uint* restrict totals,
                               const uint first_node, const uint first_block) {
   uint nodes = 0, blocks = 0, stack = 0;
-  for (uint g = 0; g < totals[0]; g++) {
+  uint most = 0xffffffffu, after = 0;  // primitives and number of the region placed last
+  for (uint k = 0; k < totals[0]; k++) {
+    uint g = 0;
+    if (k > 0) {
+      uint next = 0;
+      for (uint i = 1; i < totals[0]; i++) {
+        const uint size = regions[i].primitives;
+        const bool waits = size < most || (size == most && i > after);
+        if (waits && (next == 0 || size > regions[next].primitives)) next = i;
+      }
+      g = next;
+      most = regions[g].primitives;
+      after = g;
+    }
     regions[g].final_node = first_node + nodes;
     regions[g].final_block = first_block + blocks;
     nodes += regions[g].nodes;

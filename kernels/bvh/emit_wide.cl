@@ -12,22 +12,23 @@ typedef struct Geometry {
   uint triangle_count;
 } Geometry;
 
-// The `size` primitives below a binary node into the blocks from `block` on; unused lanes hold a point, which no ray
-// meets.
-static inline void write_leaf(const Geometry* geometry, global const BinaryNode* binary, int reference, uint size,
-                              global float* block) {
-  int below[HR_MOST_IN_LEAF];
-  below[0] = reference;
+// The `size` primitives below a binary node.
+static inline void list_primitives(global const BinaryNode* binary, int reference, uint size, int* primitives) {
+  primitives[0] = reference;
   // Level by level, so that the reads of a level wait for memory together.
   for (uint found = 1; found < size;) {
     for (uint i = found; i-- > 0;) {
-      if (below[i] < 0) continue;
-      const uint4 child = binary[below[i]].child;
-      below[i] = (int)child.x;
-      below[found++] = (int)child.y;
+      if (primitives[i] < 0) continue;
+      const uint4 child = binary[primitives[i]].child;
+      primitives[i] = (int)child.x;
+      primitives[found++] = (int)child.y;
     }
   }
-  for (uint i = 0; i < size; i++) HR_PREFETCH(geometry->triangles + ~below[i]);
+  for (uint i = 0; i < size; i++) primitives[i] = ~primitives[i];
+}
+
+// The primitives into the blocks from `block` on; unused lanes hold a point, which no ray meets.
+static inline void write_leaf(const Geometry* geometry, const int* primitives, uint size, global float* block) {
   const Primitive none = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f)};
   for (uint first = 0; first < size; first += HR_L) {
     for (uint lane = 0; lane < HR_L; lane++) {
@@ -35,12 +36,24 @@ static inline void write_leaf(const Geometry* geometry, global const BinaryNode*
         write_lane(block, lane, none, false, HR_NO_PRIMITIVE);
         continue;
       }
-      const uint primitive = (uint)~below[first + lane];
+      const uint primitive = (uint)primitives[first + lane];
       const Primitive p = load_primitive(geometry->positions, geometry->triangles, geometry->spheres,
                                          geometry->triangle_count, primitive);
       write_lane(block, lane, p, primitive < geometry->triangle_count, primitive);
     }
     block += HR_BLOCK_ROWS * HR_L;
+  }
+}
+
+// Asks for the vertices of these primitives, all at once, before they are needed one by one.
+static inline void prefetch_geometry(const Geometry* geometry, const int* primitives, uint size) {
+  for (uint i = 0; i < size; i++) HR_PREFETCH(geometry->triangles + primitives[i]);
+  for (uint i = 0; i < size; i++) {
+    if ((uint)primitives[i] >= geometry->triangle_count) continue;
+    const uint4 corner = geometry->triangles[primitives[i]];
+    HR_PREFETCH(geometry->positions + (ulong)corner.x * 3);
+    HR_PREFETCH(geometry->positions + (ulong)corner.y * 3);
+    HR_PREFETCH(geometry->positions + (ulong)corner.z * 3);
   }
 }
 
@@ -75,7 +88,9 @@ kernel void bvh_emit_regions(global const BinaryNode* restrict binary, global co
         if (of_instances) {
           word = instance_reference(leaf);
         } else {
-          write_leaf(&geometry, binary, leaf, size, blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L));
+          int primitives[HR_MOST_IN_LEAF];
+          list_primitives(binary, leaf, size, primitives);
+          write_leaf(&geometry, primitives, size, blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L));
           word = leaf_reference(region.final_block + block, size);
         }
       } else if (row > HR_NODE_CHILD_ROW) {
@@ -89,7 +104,17 @@ kernel void bvh_emit_regions(global const BinaryNode* restrict binary, global co
   while (walk.size > 0) {
     Children c;
     int child[HR_W];
-    const uint node = step_walk(&walk, binary, cuts, &c, child);
+    const uint node = step_walk(&walk, binary, cuts, true, &c, child);
+    // The leaves' primitives, one leaf after another.
+    int primitives[HR_W * HR_MOST_IN_LEAF];
+    uint listed = 0;
+    for (uint i = 0; i < c.size && !of_instances; i++) {
+      if (!c.leaf[i]) continue;
+      list_primitives(binary, c.reference[i], c.primitives[i], primitives + listed);
+      listed += c.primitives[i];
+    }
+    prefetch_geometry(&geometry, primitives, listed);
+    listed = 0;
     for (uint i = 0; i < c.size; i++) {
       if (!c.leaf[i]) {
         child[i] += (int)region.final_node;
@@ -97,7 +122,8 @@ kernel void bvh_emit_regions(global const BinaryNode* restrict binary, global co
         child[i] = instance_reference(c.reference[i]);
       } else {
         const uint block = (uint)~child[i] >> 4;
-        write_leaf(&geometry, binary, c.reference[i], c.primitives[i], blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L));
+        write_leaf(&geometry, primitives + listed, c.primitives[i], blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L));
+        listed += c.primitives[i];
         child[i] = leaf_reference(region.final_block + block, c.primitives[i]);
       }
     }

@@ -47,9 +47,11 @@ static inline void search_below(global const TopNode* top, int start, float star
   }
 }
 
-// top[n].target: where node n would cost least, -1 if where it is. Launch: G items.
-kernel void bvh_find_places(global TopNode* top, global const uint* restrict count, const float scale) {
-  for (uint n = (uint)get_global_id(0); n < count[0]; n += (uint)get_global_size(0)) {
+// top[n].target of every stride-th node n from `first` on: where it would cost least, -1 if where it is. Launch: G
+// items.
+kernel void bvh_find_places(global TopNode* top, global const uint* restrict count, const float scale, const uint first,
+                            const uint stride) {
+  for (uint n = first + stride * (uint)get_global_id(0); n < count[0]; n += stride * (uint)get_global_size(0)) {
     const int parent = top[n].parent;
     Place best = {0.0f, -1};
     if (parent > 0) {
@@ -81,10 +83,11 @@ kernel void bvh_find_places(global TopNode* top, global const uint* restrict cou
   }
 }
 
-// Moves node after node to its target, unless moves before it have made that impossible or worse. The root stays the
-// root. Launch: 1 item.
-kernel void bvh_move_nodes(global TopNode* restrict top, global const uint* restrict count, const float scale) {
-  for (int n = 1; n < (int)count[0]; n++) {
+// Moves these nodes, one after another, to their targets, unless moves before it have made that impossible or worse.
+// The root stays the root. Launch: 1 item.
+kernel void bvh_move_nodes(global TopNode* restrict top, global const uint* restrict count, const float scale,
+                           const uint first, const uint stride) {
+  for (int n = (int)first; n < (int)count[0]; n += (int)stride) {
     const int target = top[n].target, parent = top[n].parent;
     if (target <= 0 || parent <= 0 || target == parent || target == sibling_of(top, n)) continue;
     int above = target;

@@ -42,12 +42,13 @@ static inline WideWalk start_walk(global const BinaryNode* binary, const Collaps
   return walk;
 }
 
-// The next node: its number in the region, its children, and how it refers to them.
-static inline uint step_walk(WideWalk* walk, global const BinaryNode* binary, global const uint* cuts, Children* c,
-                             int* child) {
+// The next node: its number in the region, its children (ordered if that matters), and how it refers to them.
+static inline uint step_walk(WideWalk* walk, global const BinaryNode* binary, global const uint* cuts, bool ordered,
+                             Children* c, int* child) {
   const Waiting at = walk->waiting[--walk->size];
   const Box unused = {(float4)(0.0f), (float4)(0.0f)};
   gather_children(binary, cuts, at.root, at.primitives, unused, c);
+  if (ordered) order_children(c);
   walk->stack = max(walk->stack, at.load + c->size);
   const uint first = walk->size;
   for (uint i = 0; i < c->size; i++) {
@@ -56,15 +57,19 @@ static inline uint step_walk(WideWalk* walk, global const BinaryNode* binary, gl
       walk->blocks += leaf_blocks(c->primitives[i]);
       continue;
     }
-    child[i] = (int)walk->nodes++;
     uint place = walk->size++;
     for (; place > first && walk->waiting[place - 1].primitives < c->primitives[i]; place--) {
       walk->waiting[place] = walk->waiting[place - 1];
     }
     walk->waiting[place].root = c->reference[i];
     walk->waiting[place].primitives = c->primitives[i];
-    walk->waiting[place].node = (uint)child[i];
+    walk->waiting[place].node = i;
     walk->waiting[place].load = at.load + c->size - 1;
+  }
+  // Numbered by size: a ray that starts in several children's boxes looks first where most primitives are.
+  for (uint k = first; k < walk->size; k++) {
+    child[walk->waiting[k].node] = (int)walk->nodes;
+    walk->waiting[k].node = walk->nodes++;
   }
   return at.node;
 }

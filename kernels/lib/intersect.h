@@ -6,8 +6,10 @@
 #include "shared/bvh_types.h"
 #include "shared/scene_types.h"
 
-// Far slab distances are raised by 3 ulps, so that rounding never shrinks a box (Ize 2013, "Robust BVH Ray Traversal").
-#define HR_SLAB_PAD REAL(1.0000004)
+// Far slab distances are raised by 8 ulps, so that rounding never shrinks a box (Ize 2013, "Robust BVH Ray Traversal"):
+// along two axes a reciprocal may err by 2.5 ulps, as OpenCL allows, and up to three more roundings by half an ulp
+// each.
+#define HR_SLAB_PAD REAL(1.000001)
 
 // A direction component nearer to zero than this is taken as this, which keeps reciprocals finite: over any distance a
 // float can hold a position in, such a ray leaves its plane by less than half an ulp.
@@ -50,7 +52,7 @@ static inline Ray make_ray(real3 origin, real3 direction, real t_min, real t_max
     r.kx = r.ky;
     r.ky = swap;
   }
-  r.sz = 1 / dz;
+  r.sz = pick(r.inverse, r.kz);  // the longest component is none of those that safe_reciprocal() changes
   r.sx = pick(direction, r.kx) * r.sz;
   r.sy = pick(direction, r.ky) * r.sz;
   r.shear_origin = (real3)(pick(origin, r.kx), pick(origin, r.ky), pick(origin, r.kz));

@@ -47,8 +47,10 @@ static inline LaneSet lane_bit(uint lane) { return 1ul << (8 * lane); }
 
 #endif
 
-// Puts a vector of so many lanes into an array of floats, which need be aligned no better than its elements: a vector's
-// own store through a cast pointer may fault.
+// On an array of so many floats: a vector of them may be stored to it through a cast pointer.
+#define HR_ALIGN_AS_VECTOR(lanes) __attribute__((aligned(4 * (lanes))))
+
+// Puts a vector of so many lanes into an array of floats that is aligned no better than its elements.
 #define HR_STORE(lanes, vector, array) HR_PASTE(vstore, lanes)(vector, 0, array)
 
 static inline bool any_lane16(int16 m) { return lanes_of8(m.lo | m.hi) != 0; }

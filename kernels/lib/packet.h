@@ -308,9 +308,10 @@ static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
         if (any_ray_enters(p, node, lane)) entered |= lane_bit(lane);
       }
       if (entered) {
-        float t_near[HR_W];
-        HR_STORE(HR_W, t_in, t_near);
-        at = nearest_child(view, node, entered, t_near, stack, &size);
+        float t_near[HR_W] HR_ALIGN_AS_VECTOR(HR_W);
+        *(HR_FLOATW*)t_near = t_in;
+        at = any ? last_child(node, entered, t_near, stack, &size)
+                 : nearest_child(view, node, entered, t_near, stack, &size);
         continue;
       }
     } else {

@@ -69,8 +69,8 @@ static inline void walk_closest(const SceneView* view, const Ray* world_ray, con
   for (;;) {
     if (at >= 0) {
       global const float* node = node_at(view, at);
-      float t_near[HR_W];
-      const LaneSet lanes = enter_children(node, ray, &walk.slabs, best->t, t_near);
+      float t_near[HR_W] HR_ALIGN_AS_VECTOR(HR_W);
+      const LaneSet lanes = enter_children(node, ray->t_min, &walk.slabs, best->t, t_near);
       if (lanes) {
         at = nearest_child(view, node, lanes, t_near, stack, &size);
         continue;
@@ -115,13 +115,15 @@ static inline bool walk_any(const SceneView* view, const Ray* world_ray, const S
   for (;;) {
     if (at >= 0) {
       global const float* node = node_at(view, at);
-      float t_near[HR_W];
-      LaneSet lanes = enter_children(node, ray, &walk.slabs, world_ray->t_max, t_near);
+      float t_near[HR_W] HR_ALIGN_AS_VECTOR(HR_W);
+      LaneSet lanes = enter_children(node, ray->t_min, &walk.slabs, world_ray->t_max, t_near);
       if (lanes) {
+        // The last one goes first (bvh/cut.h, order_children).
         global const int* child = node_children(node);
         at = child[first_lane(lanes)];
         for (lanes = without_first(lanes); lanes; lanes = without_first(lanes)) {
-          stack[size++] = child[first_lane(lanes)];
+          stack[size++] = at;
+          at = child[first_lane(lanes)];
         }
         continue;
       }

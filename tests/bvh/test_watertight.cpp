@@ -87,4 +87,43 @@ TEST_CASE("no ray along an axis leaves a closed mesh: zeros, negative zeros and 
   }
 }
 
+TEST_CASE("a ray from very far out, nearly across an axis, meets what it is aimed at") {
+  // -origin / direction would leave the range of a float: 1e21 / 1e-18.
+  test::TreeWorkshop workshop;
+  for (const float far : {1e19F, 1e20F, 1e21F, -1e21F}) {
+    FlatScene flat = test::empty_flat_scene();
+    const float side = std::abs(far) / 8;
+    Rays rays;
+    for (int axis = 0; axis < 3; axis++) {
+      // Two triangles that reach far along the axis, and rays between them.
+      const auto place = [axis](float along, float up, float over) {
+        Vec3 p;
+        p[axis] = along;
+        p[(axis + 1) % 3] = up + 100.0F * static_cast<float>(axis);
+        p[(axis + 2) % 3] = over;
+        return p;
+      };
+      for (const float over : {0.0F, 9.0F}) {
+        test::add_triangle(flat, place(far - side, -1, over), place(far + side, -1, over), place(far, 2, over));
+      }
+      for (const float across : {0.0F, -0.0F, 1e-30F, -1e-18F}) {
+        for (const float over : {-1.0F, 1.0F}) {
+          Vec3 direction(0.0F);
+          direction[axis] = across;
+          direction[(axis + 2) % 3] = over;
+          rays.push_back(make_ray(place(far, 0, 5), direction));
+        }
+      }
+    }
+    for (const auto& [options, strict] : watertight_trees()) {
+      QueryBench bench(workshop, flat, options, strict);
+      const std::vector<shared::QueryHit> hits = bench.queries.intersect(rays);
+      for (std::size_t i = 0; i < rays.size(); i++) {
+        INFO("at " << far << ", ray " << i << ", " << options.width << " wide");
+        CHECK(hits[i].primitive == i / 8 * 2 + i % 2);
+      }
+    }
+  }
+}
+
 }  // namespace hemiray

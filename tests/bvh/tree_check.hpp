@@ -101,6 +101,9 @@ inline std::vector<std::uint32_t> morton_places(const FlatScene& flat, const std
   return places;
 }
 
+/// The kernels may round a surface otherwise than the host.
+inline constexpr double kWorthError = 1e-5;
+
 /// Walks one tree and compares it with its scene.
 class TreeCheck {
  public:
@@ -140,6 +143,8 @@ class TreeCheck {
     CHECK(wrong_boxes_ == 0);
     CHECK(wrong_lanes_ == 0);
     CHECK(wrong_order_ == 0);
+    if (!refitted) CHECK(wrong_worth_ == 0);
+    CHECK(wrong_numbers_ == 0);
     CHECK(statistics.stack_depth == std::max(stack_need_, 1U));
     CHECK(accel_.config().stack >= statistics.stack_depth);
   }
@@ -188,6 +193,7 @@ class TreeCheck {
     stack_need_ = std::max(stack_need_, load + children);
     if (children == 0 && !valid_.empty()) FAIL("node " << node << " has no children");
     Below all;
+    std::array<Below, 8> children_below;
     for (unsigned lane = 0; lane < width_; lane++) {
       const std::int32_t child = child_of(node, lane);
       Below below;
@@ -200,8 +206,30 @@ class TreeCheck {
       wrong_lanes_ += word(nodes_, (node * 8 + 7) * std::size_t{width_} + lane) == 0 ? 0 : 1;
       if (child != -1 && !places_.empty()) wrong_order_ += below.last - below.first + 1 == below.count ? 0 : 1;
       all.add(below);
+      children_below[lane] = below;
     }
+    check_order(node, children_below);
     return all;
+  }
+
+  // Rays that ask for any hit look into the last lane first, so it holds the most surface a primitive; siblings are
+  // numbered by size.
+  void check_order(std::uint32_t node, const std::array<Below, 8>& below) {
+    double least = 0.0;
+    std::vector<std::pair<std::int32_t, std::uint32_t>> siblings;
+    for (unsigned lane = 0; lane < width_; lane++) {
+      const std::int32_t child = child_of(node, lane);
+      if (child == -1) continue;
+      const Vec3 d = below[lane].box.hi - below[lane].box.lo;
+      const float worth = (d.x * d.y + (d.x + d.y) * d.z) / static_cast<float>(below[lane].count);
+      wrong_worth_ += double{worth} < least * (1.0 - kWorthError) ? 1 : 0;
+      least = std::max(least, double{worth});
+      if (child >= 0) siblings.emplace_back(child, below[lane].count);
+    }
+    std::sort(siblings.begin(), siblings.end());
+    for (std::size_t i = 1; i < siblings.size(); i++) {
+      wrong_numbers_ += siblings[i].second > siblings[i - 1].second ? 1 : 0;
+    }
   }
 
   // `leaf`: first block << 4 | blocks. All blocks but the last are full, and a leaf has no more than max_leaf.
@@ -279,7 +307,7 @@ class TreeCheck {
   std::vector<std::uint32_t> valid_, found_, places_;
   std::vector<bool> node_seen_, block_seen_;
   std::uint32_t stack_need_ = 0;
-  std::size_t wrong_boxes_ = 0, wrong_lanes_ = 0, wrong_order_ = 0;
+  std::size_t wrong_boxes_ = 0, wrong_lanes_ = 0, wrong_order_ = 0, wrong_worth_ = 0, wrong_numbers_ = 0;
 };
 
 }  // namespace hemiray::test
