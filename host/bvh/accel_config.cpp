@@ -48,7 +48,8 @@ AccelOptions complete_options(const AccelOptions& options, const DeviceProfile& 
   AccelOptions o = options;
   if (o.width == 0) o.width = profile.bvh_width;
   if (o.leaf_lanes == 0) o.leaf_lanes = profile.leaf_lanes;
-  if (o.max_leaf == 0) o.max_leaf = profile.max_leaf;
+  // A cell lists what touches it: more than a block of it is mostly of others.
+  if (o.max_leaf == 0) o.max_leaf = o.kind == AccelKind::bvh ? profile.max_leaf : o.leaf_lanes;
   if (o.explicit_vectors < 0) o.explicit_vectors = static_cast<int>(profile.explicit_vectors);
   check_power("tree width", o.width, 2);
   check_power("leaf lanes", o.leaf_lanes, 1);

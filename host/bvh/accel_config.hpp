@@ -24,7 +24,7 @@ struct AccelOptions {
   unsigned morton_bits = 0;   ///< of the codes, a multiple of 3 up to 63 less the bits of an index; 0: by the builder
   unsigned width = 0;         ///< children a node: 2, 4 or 8; 0: the device profile's
   unsigned leaf_lanes = 0;    ///< primitives a block: 1, 2, 4 or 8; 0: the device profile's
-  unsigned max_leaf = 0;      ///< primitives a leaf, at most 15 blocks; 0: the device profile's
+  unsigned max_leaf = 0;      ///< primitives a leaf, at most 15 blocks; 0: the device profile's, in cells a block
   int explicit_vectors = -1;  ///< 1: lanes are vectors, 0: loops; -1: the device profile's choice
   AccelKind kind = AccelKind::bvh;
 };

@@ -1,6 +1,6 @@
 // Which nodes of the binary tree become nodes of W children, and which become leaves: the cut of least cost, found
 // bottom-up by dynamic programming (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through
-// Compressed Wide BVHs", section 3.1). A node and a leaf's block cost the same, as they do to trace.
+// Compressed Wide BVHs", section 3.1).
 #include "bvh/cut.h"
 #include "lib/accel_layout.h"
 #include "lib/lanes.h"
@@ -16,7 +16,10 @@ static inline Ways all_ways(float cost) {
   return w;
 }
 
-static inline float leaf_cost(float entry, uint primitives) { return entry * (float)((primitives + HR_L - 1) / HR_L); }
+// What a ray pays that enters a leaf, in visits of a node.
+static inline float leaf_cost(float entry, uint primitives) {
+  return entry * (HR_LEAF_COST + HR_BLOCK_COST * (float)((primitives + HR_L - 1) / HR_L));
+}
 
 static inline Ways ways_of(int reference, uint primitives, Box box, global const float* costs, global const uint* cuts,
                            float4 metric) {
@@ -43,8 +46,8 @@ static inline void share_ways(const Ways* a, const Ways* b, uint* shared) {
 }
 
 // cuts[n] and costs[n W + k] of the nodes n in ranges[first + g], in this order; their children must be done. A subtree
-// of at most max_leaf primitives is a leaf, unless it is so large that several leaves may cost less: rays through a
-// room need not test all its walls. Launch: G items.
+// of at most max_leaf primitives may be a leaf. What one block holds is one, unless it is so large that several leaves
+// may cost less: rays through a room need not test all its walls. Launch: G items.
 kernel void bvh_cut_ranges(global const BinaryNode* restrict binary, global const uint2* restrict ranges,
                            const uint first, global float* costs, global uint* cuts, const float4 metric,
                            const uint max_leaf) {
@@ -55,7 +58,7 @@ kernel void bvh_cut_ranges(global const BinaryNode* restrict binary, global cons
     const uint primitives = node.child.z + node.child.w;
     const Box left = left_box(node), right = right_box(node);
     const float entry = entry_cost(box_union(left, right), metric);
-    if (primitives <= max_leaf && entry <= HR_LARGE_LEAF) {
+    if (primitives <= min(max_leaf, (uint)HR_L) && entry <= HR_LARGE_LEAF) {
       cuts[n] = HR_CUT_LEAF;
       continue;
     }

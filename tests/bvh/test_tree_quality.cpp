@@ -24,9 +24,11 @@ using test::HostBox;
 using test::Places;
 using test::ProfileFile;
 
-constexpr double kLargeLeaf = 1e-3;        // HR_LARGE_LEAF of bvh/cut.h
-constexpr std::uint32_t kLeaf = 1U << 31;  // HR_CUT_LEAF
-constexpr double kCostError = 1e-4;        // sums of a hundred floats, each less its last three bits
+constexpr double kLargeLeaf = 1e-3;                  // HR_LARGE_LEAF of bvh/cut.h
+constexpr double kLeafCost = 0.4, kBlockCost = 0.6;  // HR_LEAF_COST, HR_BLOCK_COST
+constexpr double kReached = 0.7;                     // HR_REACHED of bvh/binary_node.h
+constexpr std::uint32_t kLeaf = 1U << 31;            // HR_CUT_LEAF
+constexpr double kCostError = 1e-4;                  // sums of a hundred floats, each less its last three bits
 
 // A binary tree over boxes in the unit cube, split at random, children first; and the cut's costs by recursion.
 class RandomTree {
@@ -45,7 +47,7 @@ class RandomTree {
 
   /// Of subtree n as up to j children of a node of w; leaves of up to max_leaf in blocks of `lanes`.
   double cost(std::int32_t n, unsigned j, unsigned w, unsigned max_leaf, unsigned lanes) {
-    if (is_always_leaf(n, max_leaf)) return leaf_cost(n, lanes);
+    if (is_always_leaf(n, max_leaf, lanes)) return leaf_cost(n, lanes);
     double& known = known_[static_cast<std::size_t>(n)][j];
     if (known >= 0.0) return known;
     double best = j > 1 ? cost(n, j - 1, w, max_leaf, lanes) : 1e300;
@@ -106,13 +108,13 @@ class RandomTree {
   [[nodiscard]] double entry(std::int32_t n) const {
     const HostBox box = box_of(range(n).first, range(n).second);
     const DVec3 d = DVec3(box.hi) - DVec3(box.lo);
-    return (d.x * d.y + d.y * d.z + d.z * d.x) / 3.0 + d.x * d.y * d.z;
+    return kReached * (d.x * d.y + d.y * d.z + d.z * d.x) / 3.0 + d.x * d.y * d.z;
   }
   [[nodiscard]] double leaf_cost(std::int32_t n, unsigned lanes) const {
-    return entry(n) * std::ceil(static_cast<double>(count(n)) / lanes);
+    return entry(n) * (kLeafCost + kBlockCost * std::ceil(static_cast<double>(count(n)) / lanes));
   }
-  [[nodiscard]] bool is_always_leaf(std::int32_t n, unsigned max_leaf) const {
-    return n < 0 || (count(n) <= max_leaf && entry(n) <= kLargeLeaf);
+  [[nodiscard]] bool is_always_leaf(std::int32_t n, unsigned max_leaf, unsigned lanes) const {
+    return n < 0 || (count(n) <= std::min(max_leaf, lanes) && entry(n) <= kLargeLeaf);
   }
 
   Places places_;
@@ -137,7 +139,7 @@ TEST_CASE("the cut into wide nodes is the cheapest there is") {
   struct Shape {
     unsigned width, lanes, max_leaf;
   };
-  for (const Shape shape : {Shape{8, 8, 8}, Shape{4, 2, 5}, Shape{2, 1, 3}}) {
+  for (const Shape shape : {Shape{8, 8, 8}, Shape{8, 8, 20}, Shape{8, 2, 12}, Shape{4, 2, 5}, Shape{2, 1, 3}}) {
     AccelConfig config;
     config.width = shape.width;
     config.leaf_lanes = shape.lanes;
