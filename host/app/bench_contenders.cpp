@@ -4,6 +4,7 @@
 
 #include "host/base/error.hpp"
 #include "host/bench/device_tracer.hpp"
+#include "host/scene/spelling.hpp"
 #ifdef HR_HAS_EMBREE
 #include "bench/peers/embree_peer.hpp"
 #endif
@@ -101,6 +102,8 @@ bench::Tracers make_tracers(Context& context, const ContenderOptions& options, s
     add_device(workshop, tracers, TreeBuilder::fast, TriangleTest::watertight, TraceMode::single);
   }
   if (!options.quick && triangles <= kMostTrianglesOfCells) add_trees_of_cells(workshop, tracers);
+  std::erase_if(tracers, [&](const auto& tracer) { return tracer->name().find(options.only) == std::string::npos; });
+  if (tracers.empty()) throw InputError("--tracers", "no tracer's name has " + in_quotes(options.only) + " in it");
   return tracers;
 }
 

@@ -53,6 +53,7 @@ AccelMemory predict_cell_bytes(std::uint64_t primitives, const AccelOptions& opt
   AccelMemory memory;
   memory.tree = sort_bytes(profile) + static_cast<std::uint64_t>(tree);
   memory.peak = memory.tree + static_cast<std::uint64_t>(sorted + drafts);
+  memory.scratch = static_cast<std::uint64_t>(sorted);
   return memory;
 }
 
@@ -84,6 +85,7 @@ AccelMemory predict_tree(std::uint64_t primitives, bool has_blocks, const AccelO
   AccelMemory memory;
   memory.tree = kept + nodes * node_bytes + leaves * blocks_a_leaf * block_bytes + regions;
   memory.peak = std::max(kept + boxes + 2 * keys + binary + arenas, binary + top + keys + memory.tree);
+  memory.scratch = boxes + 2 * keys + binary + arenas + top;
   return memory;
 }
 
@@ -119,10 +121,11 @@ AccelMemory predict_accel_bytes(const FlatScene& flat, const AccelOptions& optio
   if (flat.instances.empty()) return all;
   // The sort's digit counts are kept once for all trees.
   const std::uint64_t counts = sort_bytes(profile);
-  if (world == 0) all = {counts, counts};
+  if (world == 0) all = {counts, counts, 0};
   const auto add = [&](const AccelMemory& part) {
     all.peak = std::max(all.peak, all.tree + part.peak - counts);
     all.tree += part.tree - counts;
+    all.scratch = std::max(all.scratch, part.scratch);
   };
   for (const SharedMesh& mesh : flat.shared_meshes) add(predict_accel_bytes(mesh.triangle_count, options, profile));
   AccelOptions single = options;

@@ -42,6 +42,8 @@ class Context {
   void account_release(std::uint64_t bytes) noexcept { allocated_bytes_ -= bytes; }
   [[nodiscard]] std::uint64_t allocated_bytes() const { return allocated_bytes_; }
   [[nodiscard]] std::uint64_t peak_bytes() const { return peak_bytes_; }
+  /// The peak of what is to come.
+  void restart_peak() { peak_bytes_ = allocated_bytes_; }
 
  private:
   DeviceInfo device_;
