@@ -41,6 +41,11 @@ void add_trees_of_cells(const Workshop& workshop, bench::Tracers& tracers) {
   }
 }
 
+void keep_only(bench::Tracers& tracers, const std::string& part) {
+  std::erase_if(tracers, [&](const auto& tracer) { return tracer->name().find(part) == std::string::npos; });
+  if (tracers.empty()) throw InputError("--tracers", "no tracer's name has " + in_quotes(part) + " in it");
+}
+
 #ifdef HR_HAS_EMBREE
 
 using bench::EmbreeMode;
@@ -102,8 +107,7 @@ bench::Tracers make_tracers(Context& context, const ContenderOptions& options, s
     add_device(workshop, tracers, TreeBuilder::fast, TriangleTest::watertight, TraceMode::single);
   }
   if (!options.quick && triangles <= kMostTrianglesOfCells) add_trees_of_cells(workshop, tracers);
-  std::erase_if(tracers, [&](const auto& tracer) { return tracer->name().find(options.only) == std::string::npos; });
-  if (tracers.empty()) throw InputError("--tracers", "no tracer's name has " + in_quotes(options.only) + " in it");
+  keep_only(tracers, options.only);
   return tracers;
 }
 
@@ -111,6 +115,7 @@ bench::Tracers make_leak_tracers(Context& context, const ContenderOptions& optio
   bench::Tracers tracers;
   add_quality_tree(std::make_shared<bench::DeviceWorkshop>(context), tracers);
   if (options.peers) add_leak_peers(tracers, options);
+  keep_only(tracers, options.only);
   return tracers;
 }
 

@@ -73,13 +73,13 @@ class DeviceTracer final : public Tracer {
     options.kind = settings_.kind;
     const bool has_instances = instanced_ != nullptr && settings_.kind == AccelKind::bvh;
     const FlatScene& given = has_instances ? *instanced_ : flat;
-    const std::uint64_t others = context().allocated_bytes() - workshop_->builder.scratch_bytes();
+    const std::uint64_t held = workshop_->builder.scratch_bytes(), others = context().allocated_bytes() - held;
     context().restart_peak();
     build_ = std::make_shared<DeviceBuild>(*workshop_, given, options);
     context().finish();
     memory_.peak = context().peak_bytes() - others;
     memory_.predicted = predict_scene_bytes(given, features_for(given)) +
-                        peak_with_kept_scratch(predict_accel_bytes(given, options, context().profile()));
+                        peak_with_kept_scratch(predict_accel_bytes(given, options, context().profile()), held);
     memory_.node_buffers = build_->accel.config().node_chunks.count;
     memory_.block_buffers = build_->accel.config().block_chunks.count;
     stages_ = difference(before, context().profiler().stages());

@@ -38,9 +38,9 @@ struct AccelMemory {
 /// an estimate; what the build works in is known. A tree of cells is an estimate altogether.
 AccelMemory predict_accel_bytes(std::uint64_t primitives, const AccelOptions& options, const DeviceProfile& profile);
 
-/// The peak of a build whose builder keeps its working memory.
-inline std::uint64_t peak_with_kept_scratch(const AccelMemory& memory) {
-  return std::max(memory.peak, memory.tree + memory.scratch);
+/// The peak of a build whose builder keeps its working memory, and holds so much of it before: `held` bytes.
+inline std::uint64_t peak_with_kept_scratch(const AccelMemory& memory, std::uint64_t held) {
+  return std::max(memory.peak, memory.tree + memory.scratch) + (std::max(held, memory.scratch) - memory.scratch);
 }
 
 /// For a scene: its own tree, one for each shared mesh, and the one over its instances. While the trees are put

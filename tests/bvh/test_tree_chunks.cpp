@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -61,6 +62,22 @@ bool same_bytes(const TreeChunks& a, const TreeChunks& b) {
   return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(float)) == 0;
 }
 
+// Leaves whose blocks begin in one chunk and end in the next.
+std::size_t count_crossing(const Accel& accel) {
+  const std::vector<float> nodes = accel.nodes().read();
+  const std::size_t width = accel.config().width;
+  const unsigned shift = accel.config().block_chunks.shift;
+  std::size_t crossing = 0;
+  for (std::size_t at = HR_NODE_CHILD_ROW * width; at < nodes.size(); at += accel.config().node_words()) {
+    for (std::size_t i = 0; i < width; i++) {
+      const auto leaf = ~std::bit_cast<std::uint32_t>(nodes[at + i]);
+      const std::uint32_t first = leaf >> 4U, blocks = leaf & 15U;
+      if (leaf < 0x80000000U && blocks > 0 && first >> shift != (first + blocks - 1) >> shift) crossing++;
+    }
+  }
+  return crossing;
+}
+
 void check_same_tree(const Accel& chunked, const Accel& whole) {
   CHECK(whole.config().node_chunks.count == 1);
   CHECK(whole.config().block_chunks.count == 1);
@@ -85,6 +102,25 @@ void check_same_answers(TreeWorkshop& in_chunks, const Tree& chunked, TreeWorksh
     CHECK(queries.occluded(rays) == expected.occluded(rays));
   }
   CHECK(found > rays.size() / 4);
+}
+
+// Two triangles far away: beside such bounds all leaves are small, and small ones get as many blocks as they may.
+FlatScene with_far_bounds(FlatScene flat) {
+  for (const float at : {-10.0F, 10.0F}) {
+    test::add_triangle(flat, Vec3(at), Vec3(at) + Vec3(0.1F, 0, 0), Vec3(at) + Vec3(0, 0.1F, 0));
+  }
+  return flat;
+}
+
+// At every triangle from close by.
+Rays rays_at_triangles(const FlatScene& flat) {
+  Rays rays;
+  for (const shared::uint4& t : flat.triangles) {
+    const Vec3 a = test::vertex(flat, t.x), b = test::vertex(flat, t.y), c = test::vertex(flat, t.z);
+    const Vec3 normal = glm::normalize(glm::cross(b - a, c - a));
+    rays.push_back(test::make_ray((a + b + c) / 3.0F + 1e-3F * normal, -normal));
+  }
+  return rays;
 }
 
 // Packets' worth from each of a few points, and rays from everywhere.
@@ -123,8 +159,9 @@ std::vector<QueryPoint> points_to_search(std::uint32_t seed) {
 }  // namespace
 
 TEST_CASE("a tree in chunks is that in one piece: bytes, rays of all kinds, nearest points, refits") {
-  const FlatScene flat = test::soup(6000, 600, 0.08F, 101);
-  const Rays rays = rays_for_all(102);
+  const FlatScene flat = with_far_bounds(test::soup(6000, 600, 0.08F, 101));
+  const Rays rays = rays_for_all(102), at_triangles = rays_at_triangles(flat);
+  std::size_t crossing = 0;
   const std::vector<QueryPoint> points = points_to_search(103);
   for (const Shape& shape : shapes()) {
     INFO(shape.name);
@@ -134,7 +171,9 @@ TEST_CASE("a tree in chunks is that in one piece: bytes, rays of all kinds, near
     test::BuiltTree chunked(in_chunks, flat, shape.options);
     check_same_tree(chunked.accel, whole.accel);
     test::TreeCheck(flat, chunked.accel, shape.options).run();
+    crossing += count_crossing(chunked.accel);
     check_same_answers(in_chunks, chunked, in_one, whole, rays);
+    check_same_answers(in_chunks, chunked, in_one, whole, at_triangles);
     NearestQueries nearest(in_chunks.context, chunked.scene, chunked.accel);
     NearestQueries expected(in_one.context, whole.scene, whole.accel);
     CHECK(same_points(nearest.closest(points), expected.closest(points)));
@@ -144,8 +183,9 @@ TEST_CASE("a tree in chunks is that in one piece: bytes, rays of all kinds, near
     chunked.accel.refit(chunked.scene);
     whole.accel.refit(whole.scene);
     check_same_tree(chunked.accel, whole.accel);
-    check_same_answers(in_chunks, chunked, in_one, whole, rays);
+    check_same_answers(in_chunks, chunked, in_one, whole, rays_at_triangles(other));
   }
+  CHECK(crossing >= shapes().size());
 }
 
 TEST_CASE("the usual tree's blocks alone lie in chunks, up to eight") {
@@ -172,7 +212,7 @@ TEST_CASE("the usual tree's blocks alone lie in chunks, up to eight") {
 TEST_CASE("the trees of instances in chunks are those in one piece, refitted ones too") {
   Scene scene;
   const std::uint32_t ball = test::add_mesh(scene, test::mesh_of(test::closed_mesh(16, true, Vec3(0.0F))));
-  const std::uint32_t soup = test::add_mesh(scene, test::mesh_of(test::soup(2000, 0, 0.3F, 107)));
+  const std::uint32_t soup = test::add_mesh(scene, test::mesh_of(with_far_bounds(test::soup(2000, 0, 0.3F, 107))));
   Places places(108);
   for (std::uint32_t i = 0; i < 60; i++) {
     test::add_object(scene, i % 2 == 0 ? ball : soup,
@@ -276,6 +316,9 @@ TEST_CASE("chunks are the fewest powers of two that fit the largest buffer, or a
   const ChunkLayout over = layout(101, 32000);  // 93 and the 7 that follow
   CHECK(over.shift == 6);
   CHECK(over.count == 2);
+  const ChunkLayout tight = layout(100, 70 * 320);  // 64 and 7 do not fit
+  CHECK(tight.shift == 5);
+  CHECK(tight.count == 4);
   const ChunkLayout most = layout(512, 32000);
   CHECK(most.shift == 6);
   CHECK(most.count == 8);
