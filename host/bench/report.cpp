@@ -117,7 +117,7 @@ std::string builds_table(const SceneResults& scene) {
                           format_bytes(memory.predicted));
       const bool in_chunks = memory.node_buffers > 1 || memory.block_buffers > 1;
       if (in_chunks)
-        text += fmt::format("; {} buffers of nodes, {} of blocks", memory.node_buffers, memory.block_buffers);
+        text += fmt::format("; nodes in {}, blocks in {} buffers", memory.node_buffers, memory.block_buffers);
       text += '\n';
     }
     for (const StageTime& stage : build.stages) {
