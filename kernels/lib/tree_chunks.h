@@ -29,8 +29,10 @@
 #define HR_CHUNK_MEMBER(array, i) global const float* array##_##i;
 #define HR_CHUNK_WRITTEN_MEMBER(array, i) global float* array##_##i;
 #define HR_CHUNK_VALUE(array, i) , array##_##i
-#define HR_CHUNK_PICK(array, i) \
-  if (chunk == i) at = tree->array##_##i;
+#define HR_NODE_PICK(array, i) \
+  if (number >> HR_NODE_CHUNK_SHIFT == i) at = tree->array##_##i;
+#define HR_BLOCK_PICK(array, i) \
+  if (number >> HR_BLOCK_CHUNK_SHIFT == i) at = tree->array##_##i;
 
 #if HR_NODE_CHUNKS > 1
 #define HR_NODE_CHUNK_MASK ((1u << HR_NODE_CHUNK_SHIFT) - 1)
@@ -46,16 +48,14 @@
 // Defines name(tree, number), the address of a node or a block; `pointer` says whether it may be written.
 #define HR_DEFINE_NODE_AT(name, Tree, pointer)                              \
   static inline pointer name(const Tree* tree, uint number) {               \
-    const uint chunk = number >> HR_NODE_CHUNK_SHIFT;                       \
     pointer at = tree->accel_nodes;                                         \
-    HR_MORE_NODES(HR_CHUNK_PICK)                                            \
+    HR_MORE_NODES(HR_NODE_PICK)                                             \
     return at + (ulong)(number & HR_NODE_CHUNK_MASK) * HR_NODE_WORDS(HR_W); \
   }
 #define HR_DEFINE_BLOCK_AT(name, Tree, pointer)                                 \
   static inline pointer name(const Tree* tree, uint number) {                   \
-    const uint chunk = number >> HR_BLOCK_CHUNK_SHIFT;                          \
     pointer at = tree->accel_blocks;                                            \
-    HR_MORE_BLOCKS(HR_CHUNK_PICK)                                               \
+    HR_MORE_BLOCKS(HR_BLOCK_PICK)                                               \
     return at + (ulong)(number & HR_BLOCK_CHUNK_MASK) * (HR_BLOCK_ROWS * HR_L); \
   }
 
