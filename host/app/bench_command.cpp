@@ -30,6 +30,7 @@ constexpr const char* kExamples = R"(Examples:
   hemiray bench --quick --peers --bars               the same beside Embree, held to bench/bars.json
   hemiray bench --leaks --peers --triangles 250k interior --json bench.json --plot plots
   hemiray bench model.glb terrain --triangles 10k,1M,10M
+  hemiray bench interior --triangles 20M --tracers quality/watertight --rounds 1
 
 SCENE is interior, terrain, hair, instances, or a file; without any, all four and both engines of `render` are measured.
 Every time is the median of interleaved rounds; every answer is compared with a second traversal's, and a run that
@@ -42,7 +43,7 @@ constexpr std::size_t kMaxBarsBytes = std::size_t{1} << 20U;
 
 struct BenchArguments {
   bool quick = false, peers = false, leaks = false;
-  std::string json, csv, plot, device;
+  std::string json, csv, plot, device, tracers;
   std::vector<std::string> bars;  // empty: the option without a file
   bool judged = false;
   std::vector<std::string> triangles, scenes;
@@ -156,6 +157,7 @@ int run_bench_command(const BenchArguments& given) {
   plan.effort.rounds = given.rounds > 0 ? given.rounds : given.quick ? kQuickRounds : kRounds;
   if (given.quick && given.rounds == 0) plan.effort.enough_ms = kQuickMs;
   plan.resolution = given.resolution;
+  plan.tracers = given.tracers;
   plan.leak_rays = given.leak_rays;
   if (plan.resolution % 32 != 0) throw InputError("--resolution", "not a multiple of 32");
   if (plan.leak_rays % 64 != 0) throw InputError("--leak-rays", "not a multiple of 64");
@@ -215,6 +217,11 @@ void add_bench_command(CLI::App& app, int& exit_code) {
   command->add_option("--leak-rays", given->leak_rays, "Rays of --leaks a mesh and target, a multiple of 64")
       ->check(CLI::Range(64, 1 << 26))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--tracers", given->tracers,
+          "Only those with this in their names, such as quality/watertight (large scenes: each tree takes memory)")
+      ->type_name("TEXT");
   command->add_option("--device", given->device, "Index, part of a name, cpu or gpu (default: HEMIRAY_DEVICE)");
   command->footer(kExamples);
   command->callback([given, bars, &exit_code] {

@@ -4,6 +4,7 @@
 
 #include "host/base/error.hpp"
 #include "host/bench/device_tracer.hpp"
+#include "host/scene/spelling.hpp"
 #ifdef HR_HAS_EMBREE
 #include "bench/peers/embree_peer.hpp"
 #endif
@@ -38,6 +39,11 @@ void add_trees_of_cells(const Workshop& workshop, bench::Tracers& tracers) {
     settings.kind = kind;
     tracers.push_back(bench::make_device_tracer(workshop, settings));
   }
+}
+
+void keep_only(bench::Tracers& tracers, const std::string& part) {
+  std::erase_if(tracers, [&](const auto& tracer) { return tracer->name().find(part) == std::string::npos; });
+  if (tracers.empty()) throw InputError("--tracers", "no tracer's name has " + in_quotes(part) + " in it");
 }
 
 #ifdef HR_HAS_EMBREE
@@ -101,6 +107,7 @@ bench::Tracers make_tracers(Context& context, const ContenderOptions& options, s
     add_device(workshop, tracers, TreeBuilder::fast, TriangleTest::watertight, TraceMode::single);
   }
   if (!options.quick && triangles <= kMostTrianglesOfCells) add_trees_of_cells(workshop, tracers);
+  keep_only(tracers, options.only);
   return tracers;
 }
 
@@ -108,6 +115,7 @@ bench::Tracers make_leak_tracers(Context& context, const ContenderOptions& optio
   bench::Tracers tracers;
   add_quality_tree(std::make_shared<bench::DeviceWorkshop>(context), tracers);
   if (options.peers) add_leak_peers(tracers, options);
+  keep_only(tracers, options.only);
   return tracers;
 }
 

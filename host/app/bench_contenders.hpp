@@ -13,13 +13,14 @@ struct ContenderOptions {
   bool peers = false;    ///< Embree, too
   bool quick = false;    ///< only what the bars ask for
   unsigned threads = 1;  ///< of the peers
+  std::string only;      ///< part of the names of those that take part; empty: all do
 };
 
 /// Version of the peer, such as "Embree 3.13.5". Throws InputError naming the package where this build has none.
 std::string peer_name();
 
 /// For timing a scene of so many triangles; the first is the one the others are compared with: Embree's default where
-/// there are peers, else our watertight single ray.
+/// there are peers, else our watertight single ray. Throws InputError if `only` leaves none.
 bench::Tracers make_tracers(Context& context, const ContenderOptions& options, std::size_t triangles);
 
 /// For counting leaks: both triangle tests, single rays and packets, and Embree's default and ROBUST scenes.

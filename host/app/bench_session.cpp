@@ -148,6 +148,7 @@ bench::Report run_bench(Context& context, const BenchPlan& plan, const BenchOutp
   ContenderOptions options;
   options.peers = plan.peers;
   options.quick = plan.quick;
+  options.only = plan.tracers;
   // Peers run on this machine's processor: with as many threads as the device has where that is the same one.
   const bool on_cpu = context.device().kind == DeviceKind::cpu;
   options.threads = std::max(

@@ -23,6 +23,7 @@ struct BenchPlan {
   std::vector<bench::Bar> bars;  ///< to judge; empty: none
   bool peers = false, quick = false, leaks = false, engines = false;
   bench::Effort effort;  ///< for the builds and for each set of rays
+  std::string tracers;   ///< part of the names of those that take part; empty: all
   std::uint32_t resolution = 1024;
   std::uint32_t leak_rays = 1U << 20U;
 };

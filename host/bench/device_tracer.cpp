@@ -4,17 +4,21 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host/bvh/accel_memory.hpp"
 #include "host/bvh/ray_queries.hpp"
 #include "shared/features.h"
 
 namespace hemiray::bench {
 namespace {
 
+std::uint32_t features_for(const FlatScene& flat) {
+  return HR_FEATURE_TRIANGLES | (flat.instances.empty() ? 0U : HR_FEATURE_INSTANCES);
+}
+
 // The triangles on the device and the tree over them.
 struct DeviceBuild {
   DeviceBuild(DeviceWorkshop& workshop, const FlatScene& flat, const AccelOptions& options)
-      : scene(*workshop.context, flat, HR_FEATURE_TRIANGLES | (flat.instances.empty() ? 0U : HR_FEATURE_INSTANCES)),
-        accel(workshop.builder, scene, options) {}
+      : scene(*workshop.context, flat, features_for(flat)), accel(workshop.builder, scene, options) {}
   DeviceScene scene;
   Accel accel;
 };
@@ -68,8 +72,16 @@ class DeviceTracer final : public Tracer {
     options.triangle_test = settings_.triangles;
     options.kind = settings_.kind;
     const bool has_instances = instanced_ != nullptr && settings_.kind == AccelKind::bvh;
-    build_ = std::make_shared<DeviceBuild>(*workshop_, has_instances ? *instanced_ : flat, options);
+    const FlatScene& given = has_instances ? *instanced_ : flat;
+    const std::uint64_t held = workshop_->builder.scratch_bytes(), others = context().allocated_bytes() - held;
+    context().restart_peak();
+    build_ = std::make_shared<DeviceBuild>(*workshop_, given, options);
     context().finish();
+    memory_.peak = context().peak_bytes() - others;
+    memory_.predicted = predict_scene_bytes(given, features_for(given)) +
+                        peak_with_kept_scratch(predict_accel_bytes(given, options, context().profile()), held);
+    memory_.node_buffers = build_->accel.config().node_chunks.count;
+    memory_.block_buffers = build_->accel.config().block_chunks.count;
     stages_ = difference(before, context().profiler().stages());
     return build_->accel.statistics().build_ms;
   }
@@ -85,6 +97,10 @@ class DeviceTracer final : public Tracer {
     return true;
   }
   std::vector<StageTime> build_stages() const override { return stages_; }
+  std::optional<BuildMemory> build_memory() const override {
+    if (memory_.peak == 0) return std::nullopt;  // it shares another's build
+    return memory_;
+  }
   std::optional<TreeFacts> facts() const override {
     if (!build_ || build_->scene.instance_count() > 0) return std::nullopt;  // facts are of a single tree
     const Accel& accel = build_->accel;
@@ -147,6 +163,7 @@ class DeviceTracer final : public Tracer {
   std::shared_ptr<DeviceBuild> build_;
   std::unique_ptr<RayQueries> queries_;
   std::vector<StageTime> stages_;
+  BuildMemory memory_;
   Buffer<shared::QueryRay> rays_;
   Buffer<shared::QueryHit> hits_;
   Buffer<std::uint32_t> occlusions_;

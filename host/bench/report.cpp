@@ -42,7 +42,15 @@ ordered_json to_json(const SceneResults& scene) {
                {"references", build.facts->references}, {"nodes", build.facts->nodes},
                {"blocks", build.facts->blocks},         {"bytes", build.facts->bytes}};
     }
-    builds.push_back({{"tree", build.tree}, {"ms", to_json(build.ms)}, {"stages", stages}, {"facts", facts}});
+    ordered_json memory = nullptr;
+    if (build.memory) {
+      memory = {{"peak_bytes", build.memory->peak},
+                {"predicted_bytes", build.memory->predicted},
+                {"node_buffers", build.memory->node_buffers},
+                {"block_buffers", build.memory->block_buffers}};
+    }
+    builds.push_back(
+        {{"tree", build.tree}, {"ms", to_json(build.ms)}, {"stages", stages}, {"facts", facts}, {"memory", memory}});
   }
   for (const TraceTimes& trace : scene.traces) {
     traces.push_back({{"tracer", trace.tracer},
@@ -103,6 +111,15 @@ std::string builds_table(const SceneResults& scene) {
       text += "  " + describe(*build.facts);
     }
     text += '\n';
+    if (build.memory) {
+      const BuildMemory& memory = *build.memory;
+      text += fmt::format("    peak device memory {}, {} predicted", format_bytes(memory.peak),
+                          format_bytes(memory.predicted));
+      const bool in_chunks = memory.node_buffers > 1 || memory.block_buffers > 1;
+      if (in_chunks)
+        text += fmt::format("; nodes in {}, blocks in {} buffers", memory.node_buffers, memory.block_buffers);
+      text += '\n';
+    }
     for (const StageTime& stage : build.stages) {
       text += fmt::format("    {:<36}{:>10.2f}  in {} launches\n", stage.name, stage.milliseconds, stage.launches);
     }

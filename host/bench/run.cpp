@@ -91,7 +91,7 @@ std::vector<BuildTimes> run_builds(const Tracers& tracers, const FlatScene& flat
     const std::string tree = tracer->build_name();
     if (std::any_of(times.begin(), times.end(), [&](const BuildTimes& known) { return known.tree == tree; })) continue;
     builders.push_back(tracer.get());
-    times.push_back({tree, {}, {}, {}});
+    times.push_back({tree, {}, {}, {}, {}});
   }
   std::vector<std::vector<double>> ms(builders.size());
   const Rounds rounds(effort);
@@ -108,6 +108,7 @@ std::vector<BuildTimes> run_builds(const Tracers& tracers, const FlatScene& flat
     times[i].ms = spread_of(ms[i]);
     times[i].stages = builders[i]->build_stages();
     times[i].facts = builders[i]->facts();
+    times[i].memory = builders[i]->build_memory();
   }
   for (const auto& tracer : tracers) {
     if (std::find(builders.begin(), builders.end(), tracer.get()) != builders.end()) continue;

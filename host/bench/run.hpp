@@ -24,6 +24,7 @@ struct BuildTimes {
   Spread ms;
   std::vector<StageTime> stages;
   std::optional<TreeFacts> facts;
+  std::optional<BuildMemory> memory;
 };
 
 struct TraceTimes {

@@ -14,6 +14,13 @@
 
 namespace hemiray::bench {
 
+/// Device memory that a build takes at most, the scene's own included [bytes].
+struct BuildMemory {
+  std::uint64_t peak = 0;
+  std::uint64_t predicted = 0;  ///< before it
+  unsigned node_buffers = 1, block_buffers = 1;
+};
+
 /// Builds a tree over a scene's triangles and answers rays from arrays it has been given, so that the tracing alone can
 /// be timed: intersect() and occluded() return when all answers are there, on every thread of its device.
 class Tracer {
@@ -40,9 +47,10 @@ class Tracer {
   virtual double build(const FlatScene& flat) = 0;
   /// Traces through the tree that `other` has built from now on instead of building one; false where it cannot.
   virtual bool share_build(const Tracer& other) = 0;
-  /// The last build's stages, and the tree's figures, where the tracer knows them.
+  /// The last build's stages, the tree's figures and the memory, where the tracer knows them.
   [[nodiscard]] virtual std::vector<StageTime> build_stages() const { return {}; }
   [[nodiscard]] virtual std::optional<TreeFacts> facts() const { return std::nullopt; }
+  [[nodiscard]] virtual std::optional<BuildMemory> build_memory() const { return std::nullopt; }
 
   /// Copies the rays; a multiple of 64. To be called after build() or share_build().
   virtual void load_rays(std::span<const shared::QueryRay> rays) = 0;

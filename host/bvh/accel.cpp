@@ -67,10 +67,18 @@ AccelBuilder::AccelBuilder(Context& context, Parallel& parallel, bool keep_scrat
 std::vector<const Program*> AccelBuilder::programs() const {
   std::vector<const Program*> all = {&program_};
   if (top_program_) all.push_back(&*top_program_);
+  if (copy_program_) all.push_back(&*copy_program_);
   for (const auto& [defines, program] : layout_programs_) all.push_back(&program);
   for (const auto& [defines, program] : cell_programs_) all.push_back(&program);
   for (const auto& [defines, program] : instance_programs_) all.push_back(&program);
   return all;
+}
+
+std::uint64_t AccelBuilder::scratch_bytes() const {
+  const Scratch& s = scratch_;
+  return s.boxes.bytes() + s.keys.bytes() + s.keys_other.bytes() + s.binary.bytes() + s.arenas.bytes() +
+         s.join_arena.bytes() + s.draft.bytes() + s.top.bytes() + s.pending.bytes() + s.node_ranges.bytes() +
+         s.pending_count.bytes() + s.totals.bytes() + s.root.bytes();
 }
 
 Program& AccelBuilder::top_program() {
@@ -78,6 +86,11 @@ Program& AccelBuilder::top_program() {
     top_program_ = Program(*context_, "bvh_top", {"bvh/top_tree.cl", "bvh/reinsert.cl"}, ProgramOptions{});
   }
   return *top_program_;
+}
+
+Kernel& AccelBuilder::copy_words() {
+  if (!copy_program_) copy_program_ = Program(*context_, "bvh_copy", {"bvh/copy_words.cl"}, ProgramOptions{});
+  return copy_program_->kernel("bvh_copy_words");
 }
 
 Program& AccelBuilder::layout_program(const AccelConfig& config) {
@@ -119,6 +132,7 @@ void Accel::build_tree(const DeviceScene& scene, const AccelOptions& options, co
   input_ = input;
   statistics_ = {};
   config_.stack = AccelConfig{}.stack;
+  config_.node_chunks = config_.block_chunks = {};
   if (of_instances_) {
     bound_instances(scene);
   } else {
@@ -252,7 +266,7 @@ void Accel::improve_top() {
 void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
   Context& context = *builder_->context_;
   AccelBuilder::Scratch& scratch = builder_->scratch_;
-  Program& program = builder_->layout_program(layout_config());  // the stack is not known yet
+  Program& program = builder_->layout_program(layout_config());  // neither stack nor chunks are known yet
   const std::uint32_t count = statistics_.primitives;
   const BinaryTreeSizes sizes = binary_tree_sizes(count, options.builder, context.profile());
   const std::uint32_t target = std::clamp(count / kSmallChunk, 2U, context.profile().collapse_regions);
@@ -288,19 +302,35 @@ void Accel::collapse(const DeviceScene& scene, const AccelOptions& options) {
   statistics_.references = count;
   statistics_.stack_depth = totals[3];
   config_.stack = stack_size_for(totals[3]);
-  nodes_ = Buffer<float>(context, "accel_nodes", statistics_.nodes * config_.node_words());
   if (of_instances_) statistics_.blocks = 0;
-  blocks_ = Buffer<float>(context, "accel_blocks", statistics_.blocks * config_.block_words());
-  launch(context, program.kernel("bvh_emit_regions"), region_count_,
+  make_nodes(statistics_.nodes);
+  make_blocks(statistics_.blocks);
+  launch(context, builder_->layout_program(layout_config()).kernel("bvh_emit_regions"), region_count_,
          arguments(regions, scene.geometry_arguments(input_), arg("region_count", region_count_),
                    arg("of_instances", std::uint32_t{of_instances_}), arg("first_node", first_node_),
-                   arg("first_block", first_block_), arg("draft_nodes", scratch.draft), arg("accel_nodes", nodes_),
-                   arg("accel_blocks", blocks_)));
+                   arg("first_block", first_block_), arg("draft_nodes", scratch.draft), nodes_.arguments(),
+                   blocks_.arguments()));
+  repeat_blocks();
   context.finish();
   builder_->release(scratch.binary);
   builder_->release(scratch.top);
   builder_->release(scratch.keys_other);
   builder_->release(scratch.draft);
+}
+
+void Accel::make_nodes(std::uint64_t count) {
+  nodes_ = TreeChunks(*builder_->context_, "accel_nodes", count, {config_.node_words(), 0});
+  config_.node_chunks = nodes_.layout();
+}
+
+void Accel::make_blocks(std::uint64_t count) {
+  const unsigned blocks_a_leaf = (options_.max_leaf + options_.leaf_lanes - 1) / options_.leaf_lanes;
+  blocks_ = TreeChunks(*builder_->context_, "accel_blocks", count, {config_.block_words(), blocks_a_leaf - 1});
+  config_.block_chunks = blocks_.layout();
+}
+
+void Accel::repeat_blocks() {
+  if (blocks_.has_repeats()) blocks_.repeat_first(*builder_->context_, builder_->copy_words());
 }
 
 // A tree without primitives: one node without children.
@@ -315,8 +345,8 @@ void Accel::make_empty() {
     }
     node[HR_NODE_CHILD_ROW * w + i] = std::bit_cast<float>(-1);
   }
-  nodes_ = Buffer<float>(context, "accel_nodes", std::span<const float>(node));
-  blocks_ = Buffer<float>(context, "accel_blocks", config_.block_words());
+  nodes_ = TreeChunks(Buffer<float>(context, "accel_nodes", std::span<const float>(node)));
+  blocks_ = TreeChunks(Buffer<float>(context, "accel_blocks", config_.block_words()));
   statistics_.nodes = 1;
   statistics_.stack_depth = 1;
   config_.stack = stack_size_for(1);
@@ -340,10 +370,11 @@ void Accel::refit_tree(const DeviceScene& scene, const TreeInput& input, const B
   const auto run = [&](std::uint32_t first, std::uint32_t count) {
     launch(context, kernel, count,
            arguments(scene.geometry_arguments(input), arg("regions", regions), arg("first_region", first),
-                     arg("region_count", first + count), arg("accel_nodes", nodes_), arg("accel_blocks", blocks_)));
+                     arg("region_count", first + count), nodes_.arguments(), blocks_.arguments()));
   };
   if (region_count > 1) run(1, region_count - 1);
   run(0, 1);
+  repeat_blocks();
   context.finish();
 }
 
@@ -354,7 +385,7 @@ AccelConfig Accel::layout_config() const {
 }
 
 Arguments Accel::tree_arguments() const {
-  Arguments all = arguments(arg("accel_nodes", nodes_), arg("accel_blocks", blocks_));
+  Arguments all = arguments(nodes_.arguments(), blocks_.arguments());
   if (!trees_.empty()) all.push_back(arg("tree_roots", tree_roots_));
   return all;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/bvh/accel_config.hpp"
+#include "host/bvh/tree_chunks.hpp"
 #include "host/gpu/buffer.hpp"
 #include "host/gpu/parallel.hpp"
 #include "host/gpu/program.hpp"
@@ -43,6 +44,8 @@ class AccelBuilder {
 
   /// All programs so far: for their statistics.
   [[nodiscard]] std::vector<const Program*> programs() const;
+  /// Of the working memory that it holds at the moment.
+  [[nodiscard]] std::uint64_t scratch_bytes() const;
 
  private:
   friend class Accel;
@@ -76,12 +79,14 @@ class AccelBuilder {
   Program& layout_program(const AccelConfig& config);
   Program& cell_program(const AccelConfig& config);      // host/bvh/cell_trees.cpp
   Program& instance_program(const AccelConfig& config);  // host/bvh/accel_instances.cpp
+  Kernel& copy_words();
 
   Context* context_;
   Parallel* parallel_;
   bool keep_scratch_;
   Program program_;
   std::optional<Program> top_program_;              ///< of trees large enough that moving nodes pays
+  std::optional<Program> copy_program_;             ///< of trees that are joined, or lie in chunks
   std::map<std::string, Program> layout_programs_;  ///< by the configuration's defines
   std::map<std::string, Program> cell_programs_, instance_programs_;
   Scratch scratch_;
@@ -107,8 +112,8 @@ class Accel {
   [[nodiscard]] Arguments tree_arguments() const;
   /// Options for a program whose kernels trace through this tree.
   [[nodiscard]] ProgramOptions program_options(std::uint32_t features, bool strict) const;
-  [[nodiscard]] const Buffer<float>& nodes() const { return nodes_; }
-  [[nodiscard]] const Buffer<float>& blocks() const { return blocks_; }
+  [[nodiscard]] const TreeChunks& nodes() const { return nodes_; }
+  [[nodiscard]] const TreeChunks& blocks() const { return blocks_; }
 
  private:
   // A tree whose nodes and blocks wait to be joined with the others'; then only what a refit needs.
@@ -118,7 +123,7 @@ class Accel {
     std::uint32_t region_count = 0;  // 0: nothing is in it
     std::uint32_t first_node = 0;    // the root
     AccelStatistics statistics;
-    Buffer<float> nodes, blocks;
+    TreeChunks nodes, blocks;
   };
 
   /// What programs that lay out the tree are compiled for: no stack.
@@ -132,6 +137,10 @@ class Accel {
   void improve_top();
   void collapse(const DeviceScene& scene, const AccelOptions& options);
   void make_empty();
+  // These say in config_ how they are dealt out to chunks.
+  void make_nodes(std::uint64_t count);
+  void make_blocks(std::uint64_t count);
+  void repeat_blocks();
   void refit_tree(const DeviceScene& scene, const TreeInput& input, const Buffer<shared::CollapseRegion>& regions,
                   std::uint32_t region_count);
   void build_cells(const DeviceScene& scene, const AccelOptions& options);  // host/bvh/cell_trees.cpp
@@ -140,7 +149,7 @@ class Accel {
   void build_with_instances(const DeviceScene& scene, const AccelOptions& options);
   void build_instance_tree(const DeviceScene& scene, const AccelOptions& options);
   void bound_instances(const DeviceScene& scene);
-  void bound_mesh(const Buffer<float>& nodes, std::uint32_t root, std::uint32_t mesh);
+  void bound_mesh(std::uint32_t root, std::uint32_t mesh);
   void keep_tree();
   void join_trees();
   void refit_with_instances(const DeviceScene& scene);
@@ -153,8 +162,7 @@ class Accel {
   unsigned index_bits_ = 1;
   std::uint32_t region_count_ = 0;
   Buffer<shared::CollapseRegion> regions_;
-  Buffer<float> nodes_;
-  Buffer<float> blocks_;
+  TreeChunks nodes_, blocks_;
 
   TreeInput input_;                                 // of the tree being built
   bool of_instances_ = false;                       // it is the tree over instances

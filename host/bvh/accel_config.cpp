@@ -22,10 +22,17 @@ void check_power(const char* name, unsigned value, unsigned least) {
 }  // namespace
 
 std::string AccelConfig::defines() const {
-  return fmt::format(
+  std::string text = fmt::format(
       "-DHR_BVH_WIDTH={} -DHR_LEAF_LANES={} -DHR_TRIANGLE_WATERTIGHT={} -DHR_TRAVERSAL_STACK={} "
       "-DHR_EXPLICIT_VECTORS={} -DHR_ACCEL={}",
       width, leaf_lanes, watertight ? 1 : 0, stack, explicit_vectors ? 1 : 0, static_cast<int>(kind));
+  const auto add_chunks = [&text](const char* array, const ChunkLayout& layout) {
+    if (layout.count > 1)
+      text += fmt::format(" -DHR_{0}_CHUNKS={1} -DHR_{0}_CHUNK_SHIFT={2}", array, layout.count, layout.shift);
+  };
+  add_chunks("NODE", node_chunks);
+  add_chunks("BLOCK", block_chunks);
+  return text;
 }
 
 AccelOptions parse_accel(const std::string& name) {

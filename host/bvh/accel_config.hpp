@@ -29,6 +29,12 @@ struct AccelOptions {
   AccelKind kind = AccelKind::bvh;
 };
 
+/// How an array lies in buffers, of 2^shift elements each but the last (kernels/lib/tree_chunks.h).
+struct ChunkLayout {
+  unsigned count = 1;
+  unsigned shift = 31;
+};
+
 /// What the kernels of kernels/lib/accel_layout.h are compiled for.
 struct AccelConfig {
   unsigned width = 8;
@@ -37,6 +43,7 @@ struct AccelConfig {
   bool watertight = true;
   bool explicit_vectors = true;
   AccelKind kind = AccelKind::bvh;
+  ChunkLayout node_chunks, block_chunks;
 
   /// "-DHR_BVH_WIDTH=8 ...", for ProgramOptions.
   [[nodiscard]] std::string defines() const;

@@ -1,5 +1,5 @@
 // Two levels: a tree for each mesh that instances share, by the same steps as the world's own, and one over the
-// instances. All lie in the same two buffers, one behind the other: world, shared meshes, instances.
+// instances. All lie in the same two arrays, one behind the other: world, shared meshes, instances.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -53,7 +53,7 @@ void Accel::build_with_instances(const DeviceScene& scene, const AccelOptions& o
   keep_tree();
   for (std::uint32_t m = 0; m < meshes.size(); m++) {
     build_tree(scene, options, {meshes[m].first_triangle, meshes[m].triangle_count, meshes[m].triangle_count});
-    bound_mesh(nodes_, 0, m);
+    bound_mesh(0, m);
     keep_tree();
   }
   of_instances_ = true;
@@ -65,9 +65,9 @@ void Accel::build_with_instances(const DeviceScene& scene, const AccelOptions& o
   join_trees();
 }
 
-void Accel::bound_mesh(const Buffer<float>& nodes, std::uint32_t root, std::uint32_t mesh) {
+void Accel::bound_mesh(std::uint32_t root, std::uint32_t mesh) {
   launch(*builder_->context_, builder_->instance_program(layout_config()).kernel("bvh_bound_tree"), 1,
-         arguments(arg("accel_nodes", nodes), arg("root", root), arg("mesh", mesh), arg("mesh_boxes", mesh_boxes_)));
+         arguments(nodes_.arguments(), arg("root", root), arg("mesh", mesh), arg("mesh_boxes", mesh_boxes_)));
 }
 
 // Twice: how much a box must be padded depends on how far away rays can start, which is known when all boxes are.
@@ -105,7 +105,7 @@ void Accel::keep_tree() {
   trees_.push_back(std::move(tree));
 }
 
-// One buffer of nodes and one of blocks for all trees, which are there twice meanwhile: first the nodes, then the
+// One array of nodes and one of blocks for all trees, which are there twice meanwhile: first the nodes, then the
 // blocks.
 void Accel::join_trees() {
   Context& context = *builder_->context_;
@@ -134,25 +134,20 @@ void Accel::join_trees() {
   if (nodes > kMaxNodes || blocks > kMaxBlocks) {
     throw DeviceError("the trees of the shared meshes have more than 2^31 nodes or 2^27 blocks; split the scene");
   }
-  Kernel& copy = builder_->instance_program(layout_config()).kernel("bvh_copy_words");
-  const auto join = [&](Buffer<float>& whole, const char* name, std::uint64_t words, Buffer<float> Tree::*part,
-                        auto words_of) {
-    whole = Buffer<float>(context, name, words);
+  const auto join = [&](TreeChunks& whole, TreeChunks Tree::*part, std::uint32_t AccelStatistics::*count) {
     std::uint64_t first = 0;
     for (Tree& tree : trees_) {
-      const std::uint64_t count = words_of(tree.statistics);
-      // By a kernel: simulators take what a copy command wrote for uninitialised.
-      launch(context, copy, context.profile().chunks,
-             arguments(arg("from", tree.*part), arg("count", count), arg("first", first), arg("to", whole)));
-      first += count;
+      whole.copy_from(context, builder_->copy_words(), tree.*part, tree.statistics.*count, first);
+      first += tree.statistics.*count;
     }
     context.finish();
-    for (Tree& tree : trees_) tree.*part = Buffer<float>();
+    for (Tree& tree : trees_) tree.*part = TreeChunks();
   };
-  join(nodes_, "accel_nodes", nodes * config_.node_words(), &Tree::nodes,
-       [this](const AccelStatistics& part) { return part.nodes * config_.node_words(); });
-  join(blocks_, "accel_blocks", blocks * config_.block_words(), &Tree::blocks,
-       [this](const AccelStatistics& part) { return part.blocks * config_.block_words(); });
+  make_nodes(nodes);
+  join(nodes_, &Tree::nodes, &AccelStatistics::nodes);
+  make_blocks(blocks);
+  join(blocks_, &Tree::blocks, &AccelStatistics::blocks);
+  repeat_blocks();
   tree_roots_ = Buffer<std::int32_t>(context, "tree_roots", std::span<const std::int32_t>(roots));
   // The root of the instances waits below the world's tree; a shared tree is walked above what waits of the instances.
   all.nodes = static_cast<std::uint32_t>(nodes);
@@ -171,7 +166,7 @@ void Accel::refit_with_instances(const DeviceScene& scene) {
       refit_tree(scene, tree.input, tree.regions, tree.region_count);
     }
   }
-  for (std::uint32_t m = 0; m < scene.shared_meshes().size(); m++) bound_mesh(nodes_, trees_[m + 1].first_node, m);
+  for (std::uint32_t m = 0; m < scene.shared_meshes().size(); m++) bound_mesh(trees_[m + 1].first_node, m);
   input_ = scene.world();
   bound_primitives(scene);
   trees_.front().statistics = statistics_;
@@ -183,7 +178,7 @@ void Accel::refit_with_instances(const DeviceScene& scene) {
   const auto run = [&](std::uint32_t first, std::uint32_t count) {
     launch(context, kernel, count,
            arguments(arg("boxes", builder_->scratch_.boxes), arg("regions", last.regions), arg("first_region", first),
-                     arg("region_count", first + count), arg("accel_nodes", nodes_)));
+                     arg("region_count", first + count), nodes_.arguments()));
   };
   if (last.region_count > 1) run(1, last.region_count - 1);
   if (last.region_count > 0) run(0, 1);

@@ -10,7 +10,7 @@ namespace hemiray {
 namespace {
 
 // Of usual scenes: the share of a leaf's lanes in use, and of a node's children (measured, tests/bvh/test_accel.cpp).
-constexpr double kLeafFill = 0.66;
+constexpr double kLeafFill = 0.7;
 constexpr double kNodeFill = 0.97;
 // kernels/bvh/arena.h
 constexpr std::uint32_t kArenaRows = 9, kArenaGuard = 32;
@@ -53,6 +53,7 @@ AccelMemory predict_cell_bytes(std::uint64_t primitives, const AccelOptions& opt
   AccelMemory memory;
   memory.tree = sort_bytes(profile) + static_cast<std::uint64_t>(tree);
   memory.peak = memory.tree + static_cast<std::uint64_t>(sorted + drafts);
+  memory.scratch = static_cast<std::uint64_t>(sorted);
   return memory;
 }
 
@@ -65,9 +66,9 @@ AccelMemory predict_tree(std::uint64_t primitives, bool has_blocks, const AccelO
   const std::uint64_t node_bytes = 32 * std::uint64_t{options.width};
   const std::uint64_t block_bytes = has_blocks ? 40 * std::uint64_t{options.leaf_lanes} : 0;
   const std::uint64_t target = std::clamp<std::uint64_t>(count / kSmallChunk, 2, profile.collapse_regions);
-  const double leaf_primitives = std::max(1.0, kLeafFill * options.max_leaf);
+  // Leaves of several blocks are few.
+  const double leaf_primitives = std::max(1.0, kLeafFill * std::min(options.max_leaf, options.leaf_lanes));
   const auto leaves = static_cast<std::uint64_t>(std::ceil(static_cast<double>(count) / leaf_primitives));
-  const std::uint64_t blocks_a_leaf = (options.max_leaf + options.leaf_lanes - 1) / options.leaf_lanes;
   const auto nodes =
       static_cast<std::uint64_t>(std::ceil(static_cast<double>(leaves) / (kNodeFill * options.width - 1.0)) + 1.0);
   const std::uint64_t kept = sort_bytes(profile) +
@@ -82,8 +83,9 @@ AccelMemory predict_tree(std::uint64_t primitives, bool has_blocks, const AccelO
   const std::uint64_t top =
       sizes.top_nodes > 0 ? (2 * sizes.top_nodes + 1) * std::uint64_t{sizeof(shared::TopNode)} : 0;
   AccelMemory memory;
-  memory.tree = kept + nodes * node_bytes + leaves * blocks_a_leaf * block_bytes + regions;
+  memory.tree = kept + nodes * node_bytes + leaves * block_bytes + regions;
   memory.peak = std::max(kept + boxes + 2 * keys + binary + arenas, binary + top + keys + memory.tree);
+  memory.scratch = boxes + 2 * keys + binary + arenas + top;
   return memory;
 }
 
@@ -119,10 +121,11 @@ AccelMemory predict_accel_bytes(const FlatScene& flat, const AccelOptions& optio
   if (flat.instances.empty()) return all;
   // The sort's digit counts are kept once for all trees.
   const std::uint64_t counts = sort_bytes(profile);
-  if (world == 0) all = {counts, counts};
+  if (world == 0) all = {counts, counts, 0};
   const auto add = [&](const AccelMemory& part) {
     all.peak = std::max(all.peak, all.tree + part.peak - counts);
     all.tree += part.tree - counts;
+    all.scratch = std::max(all.scratch, part.scratch);
   };
   for (const SharedMesh& mesh : flat.shared_meshes) add(predict_accel_bytes(mesh.triangle_count, options, profile));
   AccelOptions single = options;

@@ -1,6 +1,7 @@
 // How large the parts of a build are, and how much device memory a tree takes, before it is built.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "host/bvh/accel_config.hpp"
@@ -28,13 +29,19 @@ struct BinaryTreeSizes {
 BinaryTreeSizes binary_tree_sizes(std::uint32_t count, TreeBuilder builder, const DeviceProfile& profile);
 
 struct AccelMemory {
-  std::uint64_t tree = 0;  ///< bytes of nodes, blocks and regions, which stay
-  std::uint64_t peak = 0;  ///< most bytes at any time of the build, the tree included
+  std::uint64_t tree = 0;     ///< bytes of nodes, blocks and regions, which stay
+  std::uint64_t peak = 0;     ///< most bytes at any time of the build, the tree included
+  std::uint64_t scratch = 0;  ///< what a builder that keeps its working memory holds beside the tree
 };
 
 /// For `primitives` triangles and spheres of usual shape: how full the blocks get depends on the scene, so the tree is
 /// an estimate; what the build works in is known. A tree of cells is an estimate altogether.
 AccelMemory predict_accel_bytes(std::uint64_t primitives, const AccelOptions& options, const DeviceProfile& profile);
+
+/// The peak of a build whose builder keeps its working memory, and holds so much of it before: `held` bytes.
+inline std::uint64_t peak_with_kept_scratch(const AccelMemory& memory, std::uint64_t held) {
+  return std::max(memory.peak, memory.tree + memory.scratch) + (std::max(held, memory.scratch) - memory.scratch);
+}
 
 /// For a scene: its own tree, one for each shared mesh, and the one over its instances. While the trees are put
 /// together their nodes, and after them their blocks, are there twice.

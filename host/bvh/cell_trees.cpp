@@ -298,8 +298,8 @@ void Accel::build_cells(const DeviceScene& scene, const AccelOptions& options) {
     builder_->release(scratch.keys_other);
     builder_->release(scratch.boxes);
   }
-  nodes_ = std::move(tree.nodes);
-  blocks_ = std::move(tree.blocks);
+  nodes_ = TreeChunks(std::move(tree.nodes));
+  blocks_ = TreeChunks(std::move(tree.blocks));
   statistics_.nodes = tree.node_count;
   statistics_.blocks = tree.block_count;
   statistics_.references = tree.references;

@@ -43,6 +43,8 @@ class Context {
   void account_release(std::uint64_t bytes) noexcept { allocated_bytes_ -= bytes; }
   [[nodiscard]] std::uint64_t allocated_bytes() const { return allocated_bytes_; }
   [[nodiscard]] std::uint64_t peak_bytes() const { return peak_bytes_; }
+  /// The peak of what is to come.
+  void restart_peak() { peak_bytes_ = allocated_bytes_; }
 
   /// Memory for a large buffer on a CPU device, empty for any other: freed before, if some fits, so that building again
   /// finds its pages there. What waits and what is in use are never more than was in use at the peak.
@@ -58,6 +60,7 @@ class Context {
   Profiler profiler_;
   std::uint64_t allocated_bytes_ = 0;
   std::uint64_t peak_bytes_ = 0;
+  std::uint64_t most_bytes_ = 0;  ///< the peak of all times
   IdleHostMemory idle_;
   double launch_compile_ms_ = 0.0;
   std::size_t kernels_compiled_ = 0;

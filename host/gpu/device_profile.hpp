@@ -28,7 +28,8 @@ namespace hemiray {
   FIELD(collapse_regions, 256, 2, 65536, "work-items that collapse the binary tree")                          \
   FIELD(rays_per_item, 1, 1, 4096, "rays a work-item of a single-ray query traces")                           \
   FIELD(packet_groups, 4, 1, 8, "vectors of rays a packet has")                                               \
-  FIELD(sort_rays, 0, 0, 1U << 26U, "reflected and refracted rays of a wave worth sorting first; 0: never")
+  FIELD(sort_rays, 0, 0, 1U << 26U, "reflected and refracted rays of a wave worth sorting first; 0: never")   \
+  FIELD(tree_chunk_kib, 0, 0, 1U << 30U, "largest buffer of a BVH's nodes or blocks [KiB]; 0: the device's own limit")
 
 struct DeviceProfile {
 #define HR_MEMBER(name, value, least, most, what) std::uint32_t name = value;

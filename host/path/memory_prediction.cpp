@@ -3,30 +3,12 @@
 #include <algorithm>
 
 #include "host/bvh/accel_memory.hpp"
+#include "host/scene/device_scene.hpp"
 #include "host/scene/features.hpp"
 #include "shared/path_state.def"
 
 namespace hemiray {
 namespace {
-
-template <typename T>
-std::uint64_t bytes_of(const std::vector<T>& data) {
-  return std::max<std::uint64_t>(data.size(), 1) * sizeof(T);
-}
-
-std::uint64_t scene_bytes(const FlatScene& flat, std::uint32_t features) {
-  const auto if_on = [features](std::uint32_t feature, std::uint64_t bytes) {
-    return has_feature(features, feature) ? bytes : 0;
-  };
-  constexpr std::uint64_t kSrgbTable = 256 * sizeof(float);
-  return bytes_of(flat.positions) + bytes_of(flat.triangles) + bytes_of(flat.spheres) + bytes_of(flat.materials) +
-         if_on(HR_FEATURE_TRIANGLES, bytes_of(flat.triangle_objects)) +
-         if_on(HR_FEATURE_SMOOTH_NORMALS, bytes_of(flat.normals)) +
-         if_on(HR_FEATURE_VERTEX_COLORS, bytes_of(flat.colors)) + if_on(HR_FEATURE_PLANES, bytes_of(flat.planes)) +
-         if_on(HR_FEATURE_INSTANCES, bytes_of(flat.instances)) + if_on(HR_FEATURE_LIGHTS, bytes_of(flat.lights)) +
-         if_on(HR_FEATURE_EMITTERS, bytes_of(flat.emitters)) +
-         if_on(HR_FEATURE_TEXTURES, bytes_of(flat.uvs) + bytes_of(flat.textures) + bytes_of(flat.texels) + kSrgbTable);
-}
 
 // One path: its sums, and in the wavefront engine the whole state, two queues and the next stage.
 std::uint64_t slot_bytes(std::uint32_t features, EngineKind engine, int depth) {
@@ -63,7 +45,7 @@ std::uint64_t predict_render_bytes(const FlatScene& flat, std::uint32_t features
   const std::uint64_t slots = std::min<std::uint64_t>(pixels, profile.wave_slots);
   const AccelMemory accel = predict_accel_bytes(flat, tree, profile);
   const std::uint64_t trace = accel.tree + pixels * pixel_bytes(features) + slots * slot_bytes(features, engine, depth);
-  return scene_bytes(flat, features) + std::max(accel.peak, trace);
+  return predict_scene_bytes(flat, features) + std::max(accel.peak, trace);
 }
 
 }  // namespace hemiray

@@ -1,5 +1,6 @@
 #include "host/scene/device_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <stdexcept>
@@ -24,7 +25,26 @@ Buffer<T> upload_if(bool needed, Context& context, const char* name, const std::
   return needed ? Buffer<T>(context, name, std::span<const T>(data)) : Buffer<T>();
 }
 
+template <typename T>
+std::uint64_t bytes_of(const std::vector<T>& data) {
+  return std::max<std::uint64_t>(data.size(), 1) * sizeof(T);
+}
+
 }  // namespace
+
+std::uint64_t predict_scene_bytes(const FlatScene& flat, std::uint32_t features) {
+  const auto if_on = [features](std::uint32_t feature, std::uint64_t bytes) {
+    return has_feature(features, feature) ? bytes : 0;
+  };
+  constexpr std::uint64_t kSrgbTable = 256 * sizeof(float);
+  return bytes_of(flat.positions) + bytes_of(flat.triangles) + bytes_of(flat.spheres) + bytes_of(flat.materials) +
+         if_on(HR_FEATURE_TRIANGLES, bytes_of(flat.triangle_objects)) +
+         if_on(HR_FEATURE_SMOOTH_NORMALS, bytes_of(flat.normals)) +
+         if_on(HR_FEATURE_VERTEX_COLORS, bytes_of(flat.colors)) + if_on(HR_FEATURE_PLANES, bytes_of(flat.planes)) +
+         if_on(HR_FEATURE_INSTANCES, bytes_of(flat.instances)) + if_on(HR_FEATURE_LIGHTS, bytes_of(flat.lights)) +
+         if_on(HR_FEATURE_EMITTERS, bytes_of(flat.emitters)) +
+         if_on(HR_FEATURE_TEXTURES, bytes_of(flat.uvs) + bytes_of(flat.textures) + bytes_of(flat.texels) + kSrgbTable);
+}
 
 DeviceScene::DeviceScene(Context& context, const FlatScene& flat, std::uint32_t features)
     : features_(features),

@@ -68,4 +68,7 @@ class DeviceScene {
   Buffer<shared::Instance> instances_;
 };
 
+/// Device memory that a DeviceScene takes [bytes].
+std::uint64_t predict_scene_bytes(const FlatScene& flat, std::uint32_t features);
+
 }  // namespace hemiray

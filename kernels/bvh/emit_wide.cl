@@ -2,6 +2,7 @@
 #include "bvh/wide_walk.h"
 #include "lib/block_write.h"
 #include "lib/primitive.h"
+#include "lib/tree_chunks.h"
 
 #define HR_MOST_IN_LEAF (HR_MAX_LEAF_BLOCKS * HR_L)
 
@@ -27,10 +28,12 @@ static inline void list_primitives(global const BinaryNode* binary, int referenc
   for (uint i = 0; i < size; i++) primitives[i] = ~primitives[i];
 }
 
-// The primitives into the blocks from `block` on; unused lanes hold a point, which no ray meets.
-static inline void write_leaf(const Geometry* geometry, const int* primitives, uint size, global float* block) {
+// The primitives into the blocks from number `to` on; unused lanes hold a point, which no ray meets.
+static inline void write_leaf(const Geometry* geometry, const int* primitives, uint size, const BlockArrays* blocks,
+                              uint to) {
   const Primitive none = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f)};
   for (uint first = 0; first < size; first += HR_L) {
+    global float* block = written_block(blocks, to++);
     for (uint lane = 0; lane < HR_L; lane++) {
       if (first + lane >= size) {
         write_lane(block, lane, none, false, HR_NO_PRIMITIVE);
@@ -41,7 +44,6 @@ static inline void write_leaf(const Geometry* geometry, const int* primitives, u
                                          geometry->triangle_count, primitive);
       write_lane(block, lane, p, primitive < geometry->triangle_count, primitive);
     }
-    block += HR_BLOCK_ROWS * HR_L;
   }
 }
 
@@ -60,21 +62,23 @@ static inline void prefetch_geometry(const Geometry* geometry, const int* primit
 // What a leaf of the tree over instances refers to: it holds one of them, and no blocks.
 static inline int instance_reference(int leaf) { return (int)~(((uint)~leaf + 1) << 4); }
 
-// Region 0 from its draft, the others by a walk like the one that counted them. accel_nodes begins with node
-// first_node, accel_blocks with block first_block, the geometry with first_triangle. Launch: one item a region.
+// Region 0 from its draft, the others by a walk like the one that counted them. The nodes begin with number
+// first_node, the blocks with number first_block, the geometry with first_triangle. Launch: one item a region.
 kernel void bvh_emit_regions(global const BinaryNode* restrict binary, global const uint* restrict cuts,
                              global const float* restrict draft_nodes, global const CollapseRegion* restrict regions,
                              const uint region_count, const uint of_instances, const uint first_node,
                              const uint first_block, global const float* restrict positions,
                              global const uint4* restrict triangles, global const Sphere* restrict spheres,
-                             const uint triangle_count, const uint first_triangle, global float* restrict accel_nodes,
+                             const uint triangle_count, const uint first_triangle,
+                             HR_MORE_CHUNKS(HR_CHUNK_WRITTEN) global float* restrict accel_nodes,
                              global float* restrict accel_blocks) {
   const uint g = (uint)get_global_id(0);
   if (g >= region_count) return;
   const CollapseRegion region = regions[g];
   const Geometry geometry = {positions, triangles + first_triangle, spheres, triangle_count};
-  global float* nodes = accel_nodes + (ulong)(region.final_node - first_node) * HR_NODE_WORDS(HR_W);
-  global float* blocks = accel_blocks + (ulong)(region.final_block - first_block) * (HR_BLOCK_ROWS * HR_L);
+  const NodeArrays nodes = {HR_NODE_ARRAYS};
+  const BlockArrays blocks = {HR_BLOCK_ARRAYS};
+  const uint to_node = region.final_node - first_node, to_block = region.final_block - first_block;
   if (g == 0) {
     for (uint i = 0; i < region.nodes * HR_NODE_WORDS(HR_W); i++) {
       const uint row = i / HR_W % 8;
@@ -90,13 +94,13 @@ kernel void bvh_emit_regions(global const BinaryNode* restrict binary, global co
         } else {
           int primitives[HR_MOST_IN_LEAF];
           list_primitives(binary, leaf, size, primitives);
-          write_leaf(&geometry, primitives, size, blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L));
+          write_leaf(&geometry, primitives, size, &blocks, to_block + block);
           word = leaf_reference(region.final_block + block, size);
         }
       } else if (row > HR_NODE_CHILD_ROW) {
         word = 0;
       }
-      ((global int*)nodes)[i] = word;
+      ((global int*)written_node(&nodes, to_node + i / HR_NODE_WORDS(HR_W)))[i % HR_NODE_WORDS(HR_W)] = word;
     }
     return;
   }
@@ -122,11 +126,11 @@ kernel void bvh_emit_regions(global const BinaryNode* restrict binary, global co
         child[i] = instance_reference(c.reference[i]);
       } else {
         const uint block = (uint)~child[i] >> 4;
-        write_leaf(&geometry, primitives + listed, c.primitives[i], blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L));
+        write_leaf(&geometry, primitives + listed, c.primitives[i], &blocks, to_block + block);
         listed += c.primitives[i];
         child[i] = leaf_reference(region.final_block + block, c.primitives[i]);
       }
     }
-    write_node(nodes + (ulong)node * HR_NODE_WORDS(HR_W), &c, child);
+    write_node(written_node(&nodes, to_node + node), &c, child);
   }
 }

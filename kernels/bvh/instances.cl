@@ -3,6 +3,7 @@
 #include "lib/accel_layout.h"
 #include "lib/chunk.h"
 #include "lib/instance.h"
+#include "lib/tree_chunks.h"
 
 static inline Box node_box(global const float* node) {
   Box box = {(float4)(INFINITY), (float4)(-INFINITY)};
@@ -14,9 +15,12 @@ static inline Box node_box(global const float* node) {
 }
 
 // mesh_boxes[mesh] = bounds of the tree below node `root`. Launch: 1 item.
-kernel void bvh_bound_tree(global const float* restrict accel_nodes, const uint root, const uint mesh,
-                           global Box* restrict mesh_boxes) {
-  mesh_boxes[mesh] = node_box(accel_nodes + (ulong)root * HR_NODE_WORDS(HR_W));
+kernel void bvh_bound_tree(HR_MORE_NODES(HR_CHUNK_READ) global const float* restrict accel_nodes, const uint root,
+                           const uint mesh, global Box* restrict mesh_boxes) {
+  SceneView view = {0};
+  view.accel_nodes = accel_nodes;
+  HR_MORE_NODES(HR_VIEW_CHUNK)
+  mesh_boxes[mesh] = node_box(node_at(&view, root));
 }
 
 static inline float4 as_corner(real3 v) { return (float4)(v.x, v.y, v.z, 0.0f); }
@@ -75,27 +79,20 @@ kernel void bvh_bound_instances(global const Instance* restrict instances, globa
   partials[g] = p;
 }
 
-// to[first + i] = from[i] for i < count. Launch: G items.
-kernel void bvh_copy_words(global const float* restrict from, const ulong count, const ulong first,
-                           global float* restrict to) {
-  const ulong g = get_global_id(0), groups = get_global_size(0);
-  const ulong share = (count + groups - 1) / groups, end = min(count, (g + 1) * share);
-  for (ulong i = g * share; i < end; i++) to[first + i] = from[i];
-}
-
 // As bvh_refit_regions, for the tree of instances and their new boxes. Launch: one item a region.
 kernel void bvh_refit_instances(global const Box* restrict boxes, global const CollapseRegion* restrict regions,
-                                const uint first_region, const uint region_count, global float* accel_nodes) {
+                                const uint first_region, const uint region_count,
+                                HR_MORE_NODES(HR_CHUNK_WRITTEN) global float* accel_nodes) {
   const uint g = first_region + (uint)get_global_id(0);
   if (g >= region_count) return;
   const CollapseRegion region = regions[g];
+  const NodeArrays nodes = {HR_NODE_ARRAYS};
   for (uint n = region.nodes; n-- > 0;) {
-    global float* node = accel_nodes + (ulong)(region.final_node + n) * HR_NODE_WORDS(HR_W);
+    global float* node = written_node(&nodes, region.final_node + n);
     for (uint i = 0; i < HR_W; i++) {
       const int child = ((global const int*)node)[HR_NODE_CHILD_ROW * HR_W + i];
       if (child == -1) continue;
-      const Box box =
-          child >= 0 ? node_box(accel_nodes + (ulong)child * HR_NODE_WORDS(HR_W)) : boxes[leaf_instance(child)];
+      const Box box = child >= 0 ? node_box(written_node(&nodes, (uint)child)) : boxes[leaf_instance(child)];
       node[i] = box.lo.x;
       node[HR_W + i] = box.hi.x;
       node[2 * HR_W + i] = box.lo.y;

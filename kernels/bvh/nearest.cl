@@ -1,5 +1,6 @@
 // Nearest-neighbour searches with the wide BVH, for arrays of points: a box is left out by its distance.
 #include "lib/nearest.h"
+#include "lib/scene_view.h"
 
 #ifndef HR_LOCAL_SIZE
 #define HR_LOCAL_SIZE 64
@@ -12,9 +13,8 @@ typedef ulong Waiting;
 static inline real waiting_distance2(Waiting w) { return as_float((uint)(w >> 32)); }
 
 // Puts the node's children that are not farther than `least` on the stack, the nearest on top.
-static inline void push_children(global const float* accel_nodes, int node, real3 p, real least, Waiting* stack,
-                                 uint* size) {
-  global const float* n = accel_nodes + (ulong)(uint)node * HR_NODE_WORDS(HR_W);
+static inline void push_children(const SceneView* tree, int node, real3 p, real least, Waiting* stack, uint* size) {
+  global const float* n = node_at(tree, (uint)node);
   const uint bottom = *size;
   for (uint i = 0; i < HR_W; i++) {
     const int child = ((global const int*)n)[HR_NODE_CHILD_ROW * HR_W + i];
@@ -30,10 +30,6 @@ static inline void push_children(global const float* accel_nodes, int node, real
   }
 }
 
-static inline global const float* leaf_block(global const float* accel_blocks, uint block) {
-  return accel_blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L);
-}
-
 static inline uint lane_primitive(global const float* block, uint lane) {
   return ((global const uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L + lane];
 }
@@ -43,28 +39,29 @@ static inline uint lane_primitive(global const float* block, uint lane) {
 // the primitive HR_NO_PRIMITIVE. Launch: count items, rounded up to the local size.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void nearest_on_scene(
     global const float* restrict positions, global const uint4* restrict triangles,
-    global const Sphere* restrict spheres, const uint triangle_count, global const float* restrict accel_nodes,
-    global const float* restrict accel_blocks, global const float4* restrict queries, const uint count,
-    global float4* restrict nearest, global uint* restrict primitives) {
+    global const Sphere* restrict spheres, const uint triangle_count,
+    HR_TREE_PARAMETERS global const float4* restrict queries, const uint count, global float4* restrict nearest,
+    global uint* restrict primitives) {
   const uint i = (uint)get_global_id(0);
   if (i >= count) return;
+  HR_MAKE_TREE_VIEW
   const real3 p = param3(queries[i]);
   const real farthest2 = queries[i].w * queries[i].w;
   Nearest best = {farthest2, p, HR_NO_PRIMITIVE};
   Waiting stack[HR_TRAVERSAL_STACK];
   uint size = 0;
-  push_children(accel_nodes, 0, p, best.distance2, stack, &size);
+  push_children(&view, 0, p, best.distance2, stack, &size);
   while (size > 0) {
     const Waiting at = stack[--size];
     if (!(waiting_distance2(at) * HR_NEAREST_PAD <= best.distance2)) continue;
     const int reference = (int)(uint)at;
     if (reference >= 0) {
-      push_children(accel_nodes, reference, p, best.distance2, stack, &size);
+      push_children(&view, reference, p, best.distance2, stack, &size);
       continue;
     }
     const uint leaf = (uint)~reference;
     for (uint k = 0; k < (leaf & 15u) * HR_L; k++) {
-      const uint primitive = lane_primitive(leaf_block(accel_blocks, (leaf >> 4) + k / HR_L), k % HR_L);
+      const uint primitive = lane_primitive(block_at(&view, (leaf >> 4) + k / HR_L), k % HR_L);
       if (primitive == HR_NO_PRIMITIVE) continue;
       const Primitive one = load_primitive(positions, triangles, spheres, triangle_count, primitive);
       nearest_on_primitive(one, primitive < triangle_count, primitive, p, &best);
@@ -79,11 +76,11 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void nearest_o
 // distances[i k ...] [m] and indices[i k ...], filled up with infinity and HR_NO_PRIMITIVE. The tree's primitives are
 // the points, as spheres of the least radius: a block's rows 0 to 2 are their coordinates. Launch: as nearest_on_scene.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void nearest_points(
-    global const float* restrict accel_nodes, global const float* restrict accel_blocks,
-    global const float4* restrict queries, const uint count, const uint k, global float* restrict distances,
-    global uint* restrict indices) {
+    HR_TREE_PARAMETERS global const float4* restrict queries, const uint count, const uint k,
+    global float* restrict distances, global uint* restrict indices) {
   const uint i = (uint)get_global_id(0);
   if (i >= count) return;
+  HR_MAKE_TREE_VIEW
   const real3 p = param3(queries[i]);
   real distance2[HR_MAX_NEIGHBOURS];
   uint index[HR_MAX_NEIGHBOURS];
@@ -91,18 +88,18 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void nearest_p
   real least = queries[i].w * queries[i].w;  // of what still counts
   Waiting stack[HR_TRAVERSAL_STACK];
   uint size = 0;
-  push_children(accel_nodes, 0, p, least, stack, &size);
+  push_children(&view, 0, p, least, stack, &size);
   while (size > 0) {
     const Waiting at = stack[--size];
     if (!(waiting_distance2(at) * HR_NEAREST_PAD <= least)) continue;
     const int reference = (int)(uint)at;
     if (reference >= 0) {
-      push_children(accel_nodes, reference, p, least, stack, &size);
+      push_children(&view, reference, p, least, stack, &size);
       continue;
     }
     const uint leaf = (uint)~reference;
     for (uint j = 0; j < (leaf & 15u) * HR_L; j++) {
-      global const float* block = leaf_block(accel_blocks, (leaf >> 4) + j / HR_L);
+      global const float* block = block_at(&view, (leaf >> 4) + j / HR_L);
       const uint lane = j % HR_L, point = lane_primitive(block, lane);
       if (point == HR_NO_PRIMITIVE) continue;
       const real d2 = length2(p - (real3)(block[lane], block[HR_L + lane], block[2 * HR_L + lane]));

@@ -4,6 +4,7 @@
 #include "lib/accel_layout.h"
 #include "lib/block_write.h"
 #include "lib/primitive.h"
+#include "lib/tree_chunks.h"
 #include "shared/bvh_types.h"
 
 static inline Box primitive_bounds(global const float* positions, global const uint4* triangles,
@@ -22,14 +23,17 @@ static inline Box primitive_bounds(global const float* positions, global const u
 kernel void bvh_refit_regions(global const float* restrict positions, global const uint4* restrict triangles,
                               global const Sphere* restrict spheres, const uint triangle_count,
                               const uint first_triangle, global const CollapseRegion* restrict regions,
-                              const uint first_region, const uint region_count, global float* accel_nodes,
+                              const uint first_region, const uint region_count,
+                              HR_MORE_CHUNKS(HR_CHUNK_WRITTEN) global float* accel_nodes,
                               global float* restrict accel_blocks) {
   const uint g = first_region + (uint)get_global_id(0);
   if (g >= region_count) return;
   const CollapseRegion region = regions[g];
   global const uint4* own = triangles + first_triangle;
+  const NodeArrays nodes = {HR_NODE_ARRAYS};
+  const BlockArrays blocks = {HR_BLOCK_ARRAYS};
   for (uint b = 0; b < region.blocks; b++) {
-    global float* block = accel_blocks + (ulong)(region.final_block + b) * (HR_BLOCK_ROWS * HR_L);
+    global float* block = written_block(&blocks, region.final_block + b);
     for (uint lane = 0; lane < HR_L; lane++) {
       const uint primitive = ((global const uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L + lane];
       if (primitive == HR_NO_PRIMITIVE) continue;
@@ -38,20 +42,20 @@ kernel void bvh_refit_regions(global const float* restrict positions, global con
     }
   }
   for (uint n = region.nodes; n-- > 0;) {
-    global float* node = accel_nodes + (ulong)(region.final_node + n) * HR_NODE_WORDS(HR_W);
+    global float* node = written_node(&nodes, region.final_node + n);
     for (uint i = 0; i < HR_W; i++) {
       const int child = ((global const int*)node)[HR_NODE_CHILD_ROW * HR_W + i];
       Box box = {(float4)(INFINITY), (float4)(-INFINITY)};
       if (child >= 0) {
-        global const float* below = accel_nodes + (ulong)child * HR_NODE_WORDS(HR_W);
+        global const float* below = written_node(&nodes, (uint)child);
         for (uint k = 0; k < HR_W; k++) {
           box.lo = min(box.lo, (float4)(below[k], below[2 * HR_W + k], below[4 * HR_W + k], 0.0f));
           box.hi = max(box.hi, (float4)(below[HR_W + k], below[3 * HR_W + k], below[5 * HR_W + k], 0.0f));
         }
       } else if (child != -1) {
         const uint leaf = (uint)~child;
-        global const uint* primitives = (global const uint*)accel_blocks + (ulong)(leaf >> 4) * (HR_BLOCK_ROWS * HR_L) +
-                                        HR_BLOCK_PRIMITIVE_ROW * HR_L;
+        global const uint* primitives =
+            (global const uint*)written_block(&blocks, leaf >> 4) + HR_BLOCK_PRIMITIVE_ROW * HR_L;
         for (uint k = 0; k < (leaf & 15u) * HR_L; k++) {
           const uint primitive = primitives[k / HR_L * (HR_BLOCK_ROWS * HR_L) + k % HR_L];
           if (primitive == HR_NO_PRIMITIVE) continue;

@@ -22,6 +22,14 @@
 #ifndef HR_TRAVERSAL_STACK
 #define HR_TRAVERSAL_STACK 128 /* entries; at least what the collapse found necessary */
 #endif
+#ifndef HR_NODE_CHUNKS
+#define HR_NODE_CHUNKS 1 /* arrays that hold the BVH's nodes, at most 8 (lib/tree_chunks.h) */
+#define HR_NODE_CHUNK_SHIFT 31
+#endif
+#ifndef HR_BLOCK_CHUNKS
+#define HR_BLOCK_CHUNKS 1 /* arrays that hold its blocks */
+#define HR_BLOCK_CHUNK_SHIFT 31
+#endif
 #ifndef HR_EXPLICIT_VECTORS
 #define HR_EXPLICIT_VECTORS 1 /* 0: loops over lanes, for devices that run one item a lane */
 #endif

@@ -33,10 +33,6 @@ static inline bool is_closer(const Hit* candidate, const Hit* best) {
   return candidate->t < best->t || (candidate->t == best->t && candidate->primitive < best->primitive);
 }
 
-static inline global const float* block_at(const SceneView* view, uint block) {
-  return view->accel_blocks + (ulong)block * (HR_BLOCK_ROWS * HR_L);
-}
-
 static inline uint block_primitive(global const float* block, uint lane) {
   return ((global const uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L + lane];
 }

@@ -2,6 +2,7 @@
 #ifndef HR_LIB_SCENE_VIEW_H
 #define HR_LIB_SCENE_VIEW_H
 
+#include "lib/tree_chunks.h"
 #include "shared/bvh_types.h"
 #include "shared/features.h"
 #include "shared/params.h"
@@ -10,25 +11,39 @@
 
 #define HR_VIEW_MEMBER(feature, type, name) global const type* name;
 #define HR_VIEW_PARAMETER(feature, type, name) HR_IF_##feature(global const type* restrict name HR_COMMA)
+#define HR_VIEW_CHUNK(array, i) view.array##_##i = array##_##i;
 #define HR_VIEW_ASSIGN(feature, type, name) HR_IF_##feature(view.name = name;)
 
 typedef struct SceneView {
   HR_SCENE_BUFFERS(HR_VIEW_MEMBER)
+  HR_MORE_CHUNKS(HR_CHUNK_MEMBER)
   uint triangle_count, sphere_count, plane_count, light_count, emitter_count, instance_count;
 } SceneView;
 
+HR_DEFINE_NODE_AT(node_at, SceneView, global const float*)
+HR_DEFINE_BLOCK_AT(block_at, SceneView, global const float*)
+
 // In a kernel's parameter list; each ends with a comma.
-#define HR_SCENE_PARAMETERS HR_SCENE_BUFFERS(HR_VIEW_PARAMETER)
+#define HR_SCENE_PARAMETERS HR_SCENE_BUFFERS(HR_VIEW_PARAMETER) HR_MORE_CHUNKS(HR_CHUNK_READ)
+// For a kernel that reads the tree alone.
+#define HR_TREE_PARAMETERS \
+  global const float* restrict accel_nodes, global const float* restrict accel_blocks, HR_MORE_CHUNKS(HR_CHUNK_READ)
 
 // In a kernel's body: declares `view`.
 #define HR_MAKE_SCENE_VIEW(params)               \
   SceneView view = {0};                          \
   HR_SCENE_BUFFERS(HR_VIEW_ASSIGN)               \
+  HR_MORE_CHUNKS(HR_VIEW_CHUNK)                  \
   view.triangle_count = (params).triangle_count; \
   view.sphere_count = (params).sphere_count;     \
   view.plane_count = (params).plane_count;       \
   view.light_count = (params).light_count;       \
   view.emitter_count = (params).emitter_count;   \
   view.instance_count = (params).instance_count;
+#define HR_MAKE_TREE_VIEW           \
+  SceneView view = {0};             \
+  view.accel_nodes = accel_nodes;   \
+  view.accel_blocks = accel_blocks; \
+  HR_MORE_CHUNKS(HR_VIEW_CHUNK)
 
 #endif

@@ -10,10 +10,6 @@ typedef ulong StackEntry;
 
 #define HR_ENTRY(t, reference) ((ulong)as_uint(t) << 32 | (uint)(reference))
 
-static inline global const float* node_at(const SceneView* view, int node) {
-  return view->accel_nodes + (ulong)(uint)node * HR_NODE_WORDS(HR_W);
-}
-
 static inline global const int* node_children(global const float* node) {
   return (global const int*)(node + HR_NODE_CHILD_ROW * HR_W);
 }

@@ -52,6 +52,27 @@ void check_refused(const Words& arguments, const Words& parts) {
 
 }  // namespace
 
+TEST_CASE("bench measures the tracers asked for, and says what memory a build takes") {
+  const TempFolder folder;
+  const auto json_file = folder / "a.json";
+  const ProgramResult result =
+      run_program(small({"interior", "--tracers", "quality/watertight", "--json", json_file.string()}));
+  INFO(result.out << result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK_THAT(result.out, Catch::Contains("peak device memory") && Catch::Contains("predicted"));
+  const json scene = read_json(json_file)["scenes"][0];
+  REQUIRE(scene["builds"].size() == 1);
+  const json& memory = scene["builds"][0]["memory"];
+  CHECK(memory["peak_bytes"].get<double>() == Approx(memory["predicted_bytes"].get<double>()).epsilon(0.2));
+  CHECK(memory["block_buffers"] == 1);
+  for (const json& trace : scene["traces"]) {
+    CHECK_THAT(trace["tracer"].get<std::string>(), Catch::StartsWith("device/quality/watertight/"));
+  }
+  const ProgramResult none = run_program(small({"interior", "--tracers", "nonesuch"}));
+  CHECK(none.exit_code == 2);
+  CHECK_THAT(none.err, Catch::Contains("--tracers") && Catch::Contains("nonesuch"));
+}
+
 TEST_CASE("bench measures a scene, verifies it, and writes JSON and CSV") {
   const TempFolder folder;
   const auto json_file = folder / "a.json", csv_file = folder / "a.csv";

@@ -31,7 +31,7 @@ bench::TraceTimes trace(const std::string& tracer, double mrays, bool valid = tr
   return {tracer, "primary", 1'000'000, {1e3 / mrays, 1e3 / mrays, 1e3 / mrays, 1}, 0, valid};
 }
 
-bench::BuildTimes build(const std::string& tree, double ms) { return {tree, {ms, ms, ms, 1}, {}, {}}; }
+bench::BuildTimes build(const std::string& tree, double ms) { return {tree, {ms, ms, ms, 1}, {}, {}, {}}; }
 
 // Ours: a bit over 30 Mrays/s against at most 20; a build of just under 18 ms against 20.
 bench::SceneResults interior() {

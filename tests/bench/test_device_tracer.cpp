@@ -1,5 +1,6 @@
 // Our own tracer behind the benchmark's interface, against brute force.
 #include "host/bench/device_tracer.hpp"
+#include "host/bench/procedural_scenes.hpp"
 #include "tests/bench/check_tracer.hpp"
 
 namespace hemiray {
@@ -57,7 +58,9 @@ TEST_CASE("device tracers are named by tree, triangle test and way of asking, on
   quality->build(test::triangle_soup(200, 1));
   CHECK_FALSE(fast->share_build(*quality));
   CHECK_FALSE(make(TreeBuilder::quality, TriangleTest::fast)->share_build(*quality));
-  CHECK(make(TreeBuilder::quality, TriangleTest::watertight)->share_build(*quality));
+  const auto sharer = make(TreeBuilder::quality, TriangleTest::watertight);
+  CHECK(sharer->share_build(*quality));
+  CHECK_FALSE(sharer->build_memory());
   CHECK_THROWS_AS(fast->intersect(), std::logic_error);
   CHECK_THROWS_AS(fast->load_rays({}), std::logic_error);
   CHECK_FALSE(quality->build_stages().empty());
@@ -68,6 +71,27 @@ TEST_CASE("device tracers are named by tree, triangle test and way of asking, on
   CHECK(facts->depth >= 2);
   CHECK(facts->block_fill > 0.2);
   CHECK(facts->block_fill <= 1.0);
+}
+
+TEST_CASE("a tracer's build takes the memory that was predicted, the first one and later ones") {
+  const FlatScene flat = bench::procedural_scene("interior", 30'000).flat;
+  Context context(choose_device(""));
+  const auto workshop = std::make_shared<DeviceWorkshop>(context);
+  const auto first = make_device_tracer(workshop, {}), second = make_device_tracer(workshop, {});
+  CHECK_FALSE(first->build_memory());
+  first->build(flat);
+  const std::optional<BuildMemory> once = first->build_memory();
+  REQUIRE(once);
+  CHECK(static_cast<double>(once->peak) == Approx(static_cast<double>(once->predicted)).epsilon(0.2));
+  CHECK(once->block_buffers == 1);
+  second->build(flat);  // beside the first one's tree, in working memory that is there already
+  first->build(flat);
+  for (const auto* tracer : {&first, &second}) {
+    const std::optional<BuildMemory> again = (*tracer)->build_memory();
+    REQUIRE(again);
+    CHECK(static_cast<double>(again->peak) == Approx(static_cast<double>(once->peak)).epsilon(0.05));
+    CHECK(static_cast<double>(again->peak) == Approx(static_cast<double>(again->predicted)).epsilon(0.2));
+  }
 }
 
 }  // namespace hemiray

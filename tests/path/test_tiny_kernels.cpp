@@ -53,24 +53,30 @@ void check_rays(const FlatScene& flat, RayQueries& queries, const Rays& rays) {
 
 // Everything needed to ask a scene's tree.
 struct TinyTree {
-  TinyTree(const FlatScene& flat, const AccelOptions& options) : scene(context, flat, test::kAllPrimitives) {
+  TinyTree(const FlatScene& flat, const AccelOptions& options, std::uint32_t tree_chunk_kib = 0)
+      : context(choose_device(""), profile(tree_chunk_kib)), scene(context, flat, test::kAllPrimitives) {
     accel.emplace(builder, scene, options);
   }
-  static DeviceProfile profile() {
+  static DeviceProfile profile(std::uint32_t tree_chunk_kib) {
     DeviceProfile profile = profile_for(choose_device(""));
     profile.packet_groups = 1;
+    profile.tree_chunk_kib = tree_chunk_kib;
     return profile;
   }
-  Context context{choose_device(""), profile()};
+  Context context;
   Parallel parallel{context};
   AccelBuilder builder{context, parallel};
   DeviceScene scene;
   std::optional<Accel> accel;
 };
 
-void check_tree(const FlatScene& flat, const AccelOptions& options) {
+void check_tree(const FlatScene& flat, const AccelOptions& options, std::uint32_t tree_chunk_kib = 0) {
   INFO("width " << options.width << ", lanes " << options.leaf_lanes << ", vectors " << options.explicit_vectors);
-  TinyTree tree(flat, options);
+  TinyTree tree(flat, options, tree_chunk_kib);
+  if (tree_chunk_kib > 0) {
+    REQUIRE(tree.accel->config().node_chunks.count > 1);
+    REQUIRE(tree.accel->config().block_chunks.count > 1);
+  }
   RayQueries queries(tree.context, tree.scene, *tree.accel);
   check_rays(flat, queries, rays_through(1));
   // A refit to the very places must change no answer.
@@ -138,6 +144,13 @@ TEST_CASE("tiny: keys are scanned and sorted, by work-items and by work-groups")
     parallel.exclusive_scan(sums, 6);
     CHECK(sums.read() == std::vector<std::uint32_t>{0, 3, 3, 10, 11, 11, 13});
   }
+}
+
+TEST_CASE("tiny: a tree whose nodes and blocks lie in chunks is built, traced and refitted") {
+  AccelOptions options;
+  options.width = options.max_leaf = 2;
+  options.leaf_lanes = 1;  // two blocks a leaf
+  check_tree(test::soup(40, 0, 0.6F, 4), options, 1);
 }
 
 TEST_CASE("tiny: trees of one, two and a few primitives answer rays") {
