@@ -19,12 +19,12 @@ namespace hemiray {
   FIELD(wave_slots, 65536, 64, 1U << 26U, "paths in flight")                                                  \
   FIELD(bvh_width, 8, 2, 8, "children a node: 2, 4 or 8")                                                     \
   FIELD(leaf_lanes, 8, 1, 8, "primitives a block of a leaf: 1, 2, 4 or 8")                                    \
-  FIELD(max_leaf, 16, 1, 120, "primitives a leaf, at most 15 blocks")                                          \
+  FIELD(max_leaf, 16, 1, 120, "primitives a leaf, at most 15 blocks")                                         \
   FIELD(explicit_vectors, 1, 0, 1, "1: the lanes of nodes and blocks are vectors of one work-item; 0: loops") \
   FIELD(cluster_chunks, 8, 1, 4096, "work-items that cluster the sorted primitives")                          \
   FIELD(cluster_limit, 32, 2, 64, "clusters a range of the tree may hold before neighbours are merged")       \
   FIELD(cluster_keep, 16, 1, 64, "clusters left then")                                                        \
-  FIELD(top_nodes, 16384, 0, 65536, "largest nodes of a quality tree that move to where they cost less")      \
+  FIELD(top_nodes, 32768, 0, 65536, "largest nodes of a quality tree that move to where they cost less")      \
   FIELD(collapse_regions, 256, 2, 65536, "work-items that collapse the binary tree")                          \
   FIELD(rays_per_item, 1, 1, 4096, "rays a work-item of a single-ray query traces")                           \
   FIELD(packet_groups, 4, 1, 8, "vectors of rays a packet has")                                               \
