@@ -134,6 +134,10 @@ class DeviceTracer final : public Tracer {
   }
   std::vector<shared::QueryHit> hits() override { return hits_.read(); }
   std::vector<std::uint32_t> occlusions() override { return occlusions_.read(); }
+  std::optional<VisitCounts> visits(bool any_hit) override {
+    if (in_packets() || settings_.kind != AccelKind::bvh) return std::nullopt;
+    return count_visits(context(), build_->scene, build_->accel, rays_, count(), any_hit);
+  }
 
  private:
   Context& context() { return *workshop_->context; }

@@ -60,6 +60,10 @@ ordered_json to_json(const SceneResults& scene) {
                       {"mrays_per_s", mrays_per_second(trace)},
                       {"disagreements", trace.disagreements},
                       {"valid", trace.valid}});
+    if (trace.visits) {
+      traces.back()["nodes_per_ray"] = trace.visits->nodes;
+      traces.back()["blocks_per_ray"] = trace.visits->blocks;
+    }
   }
   ordered_json wanted = nullptr;
   if (scene.wanted_triangles > 0) wanted = scene.wanted_triangles;
@@ -139,6 +143,10 @@ std::string traces_table(const std::vector<TraceTimes>& traces) {
         fmt::format("  {:<38}{:>10.2f}{:>10.2f}{:>10.2f}{:>8.2f}  {}{} differ\n", trace.tracer, of(trace.ms.median),
                     of(trace.ms.most), of(trace.ms.least), mrays_per_second(trace) / mrays_per_second(traces.front()),
                     trace.valid ? "" : "INVALID: ", trace.disagreements);
+    if (trace.visits) {
+      text.insert(text.size() - 1,
+                  fmt::format(", {:.2f} nodes + {:.2f} blocks a ray", trace.visits->nodes, trace.visits->blocks));
+    }
   }
   return text;
 }

@@ -124,7 +124,7 @@ std::vector<TraceTimes> run_traces(const Tracers& tracers, const RaySet& set, co
   for (const auto& tracer : tracers) {
     if (tracer->in_packets() && !set.common_origin) continue;
     taking_part.push_back(tracer.get());
-    times.push_back({tracer->name(), set.name, set.rays.size(), {}, 0, false});
+    times.push_back({tracer->name(), set.name, set.rays.size(), {}, 0, false, {}});
     tracer->load_rays(set.rays);
   }
   if (taking_part.empty()) return times;
@@ -142,7 +142,10 @@ std::vector<TraceTimes> run_traces(const Tracers& tracers, const RaySet& set, co
     last = rounds.end_after(round);
     if (round == 0 || last) verify(taking_part, set, times);
   }
-  for (std::size_t i = 0; i < times.size(); i++) times[i].ms = spread_of(ms[i]);
+  for (std::size_t i = 0; i < times.size(); i++) {
+    times[i].ms = spread_of(ms[i]);
+    times[i].visits = taking_part[i]->visits(set.any_hit);
+  }
   judge(times);
   return times;
 }

@@ -34,6 +34,7 @@ struct TraceTimes {
   Spread ms;
   std::size_t disagreements = 0;  ///< rays answered otherwise than by the reference
   bool valid = false;             ///< few enough
+  std::optional<VisitCounts> visits = std::nullopt;
 };
 
 /// The rate of the median run [10^6 rays/s].

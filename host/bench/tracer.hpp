@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/bench/tree_facts.hpp"
+#include "host/bvh/visit_counts.hpp"
 #include "host/gpu/profiler.hpp"
 #include "host/scene/flat_scene.hpp"
 #include "shared/bvh_types.h"
@@ -62,6 +63,8 @@ class Tracer {
   [[nodiscard]] virtual std::vector<shared::QueryHit> hits() = 0;
   /// What the last occluded() found: 1 or 0 a ray.
   [[nodiscard]] virtual std::vector<std::uint32_t> occlusions() = 0;
+  /// How many nodes and blocks a loaded ray comes to, where the tracer can count them.
+  [[nodiscard]] virtual std::optional<VisitCounts> visits(bool /*any_hit*/) { return std::nullopt; }
 };
 
 }  // namespace hemiray::bench

@@ -23,6 +23,15 @@ ProgramOptions query_options(const Context& context, const DeviceScene& scene, c
 
 }  // namespace
 
+shared::RenderParams query_params(const DeviceScene& scene) {
+  shared::RenderParams params{};
+  params.triangle_count = scene.triangle_count();
+  params.sphere_count = scene.sphere_count();
+  params.plane_count = scene.plane_count();
+  params.instance_count = scene.instance_count();
+  return params;
+}
+
 RayQueries::RayQueries(Context& context, const DeviceScene& scene, const Accel& accel, bool strict,
                        RayGrouping grouping)
     : context_(&context),
@@ -52,11 +61,7 @@ template <typename Result>
 void RayQueries::ask(const std::string& kernel, const char* result_name, const Buffer<shared::QueryRay>& rays,
                      const Buffer<Result>& results, std::uint32_t count) {
   if (count == 0) return;
-  shared::RenderParams params{};
-  params.triangle_count = scene_->triangle_count();
-  params.sphere_count = scene_->sphere_count();
-  params.plane_count = scene_->plane_count();
-  params.instance_count = scene_->instance_count();
+  const shared::RenderParams params = query_params(*scene_);
   const bool packets = grouping_ == RayGrouping::packets;
   const DeviceProfile& profile = context_->profile();
   const std::uint32_t per_item = packets ? kGroupRays * profile.packet_groups : profile.rays_per_item;

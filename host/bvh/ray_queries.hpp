@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/bvh/accel.hpp"
+#include "shared/params.h"
 
 namespace hemiray {
 
@@ -15,6 +16,9 @@ namespace hemiray {
 /// hemicube) together; a packet whose rays do not is traced one by one, and so are all through trees that are not laid
 /// out in vectors, or not bvhs. sorted: by origin and direction first, which pays for many incoherent rays.
 enum class RayGrouping { single, packets, sorted };
+
+/// What kernels that answer single rays need to know of the scene.
+shared::RenderParams query_params(const DeviceScene& scene);
 
 /// Answers ray queries for arrays of rays against one scene and its tree, which must outlive it.
 class RayQueries {

@@ -18,7 +18,19 @@ typedef struct SceneView {
   HR_SCENE_BUFFERS(HR_VIEW_MEMBER)
   HR_MORE_CHUNKS(HR_CHUNK_MEMBER)
   uint triangle_count, sphere_count, plane_count, light_count, emitter_count, instance_count;
+#ifdef HR_COUNT_VISITS
+  uint* visits;  // of nodes and of blocks, by this work-item
+#endif
 } SceneView;
+
+// A traversal has come to a node or a block: counted only by bvh/count_visits.cl.
+#ifdef HR_COUNT_VISITS
+#define HR_VISIT_NODE(view) ((view)->visits[0]++)
+#define HR_VISIT_BLOCK(view) ((view)->visits[1]++)
+#else
+#define HR_VISIT_NODE(view)
+#define HR_VISIT_BLOCK(view)
+#endif
 
 HR_DEFINE_NODE_AT(node_at, SceneView, global const float*)
 HR_DEFINE_BLOCK_AT(block_at, SceneView, global const float*)

@@ -68,6 +68,7 @@ static inline void walk_closest(const SceneView* view, const Ray* world_ray, con
   if (HR_HAS(INSTANCES) && later >= 0) stack[size++] = HR_ENTRY(0.0f, later);
   for (;;) {
     if (at >= 0) {
+      HR_VISIT_NODE(view);
       global const float* node = node_at(view, at);
       float t_near[HR_W] HR_ALIGN_AS_VECTOR(HR_W);
       const LaneSet lanes = enter_children(node, ray->t_min, &walk.slabs, best->t, t_near);
@@ -82,6 +83,7 @@ static inline void walk_closest(const SceneView* view, const Ray* world_ray, con
       const uint leaf = (uint)~at;
       global const float* block = block_at(view, leaf >> 4);
       for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
+        HR_VISIT_BLOCK(view);
         intersect_block_closest(walk.numbers, block, ray, skip, best);
       }
     }
@@ -114,6 +116,7 @@ static inline bool walk_any(const SceneView* view, const Ray* world_ray, const S
   if (HR_HAS(INSTANCES) && later >= 0) stack[size++] = later;
   for (;;) {
     if (at >= 0) {
+      HR_VISIT_NODE(view);
       global const float* node = node_at(view, at);
       float t_near[HR_W] HR_ALIGN_AS_VECTOR(HR_W);
       LaneSet lanes = enter_children(node, ray->t_min, &walk.slabs, world_ray->t_max, t_near);
@@ -134,6 +137,7 @@ static inline bool walk_any(const SceneView* view, const Ray* world_ray, const S
       const uint leaf = (uint)~at;
       global const float* block = block_at(view, leaf >> 4);
       for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
+        HR_VISIT_BLOCK(view);
         if (intersect_block_any(walk.numbers, block, ray, skip)) return true;
       }
     }
