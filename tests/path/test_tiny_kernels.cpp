@@ -84,16 +84,25 @@ void check_grouping(const FlatScene& flat, const AccelOptions& options, RayGroup
   check_rays(flat, queries, rays);
 }
 
-FlatScene smaller_soup() {
-  FlatScene flat = test::soup(5, 1, 1.5F, 3);
+FlatScene soup_above_plane(std::uint32_t triangles, std::uint32_t spheres, float size) {
+  FlatScene flat = test::soup(triangles, spheres, size, 3);
   test::add_plane(flat, {0, -1.5F, 0}, {0, 1, 0});
   return flat;
 }
+FlatScene smaller_soup() { return soup_above_plane(5, 1, 1.5F); }
+FlatScene small_soup() { return soup_above_plane(14, 3, 0.8F); }
 
-FlatScene small_soup() {
-  FlatScene flat = test::soup(14, 3, 0.8F, 3);
-  test::add_plane(flat, {0, -1.5F, 0}, {0, 1, 0});
-  return flat;
+AccelOptions two_wide() {
+  AccelOptions options;
+  options.width = options.leaf_lanes = options.max_leaf = 2;
+  options.explicit_vectors = 1;
+  return options;
+}
+
+void check_cells(AccelKind kind) {
+  AccelOptions options;
+  options.kind = kind;
+  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
 }
 
 // Mirror, glass, texture, ambient light, a point light and a lamp: nearly all that a path can meet.
@@ -168,18 +177,15 @@ TEST_CASE("tiny: the fast tree without vectors, four wide, one primitive a leaf"
 }
 
 TEST_CASE("tiny: the fast triangle test, two wide") {
-  AccelOptions options;
+  AccelOptions options = two_wide();
   options.triangle_test = TriangleTest::fast;
-  options.width = options.leaf_lanes = options.max_leaf = 2;
   check_tree(small_soup(), options);
 }
 
 TEST_CASE("tiny: packets of rays, whole and broken") {
   for (const TriangleTest triangle_test : {TriangleTest::watertight, TriangleTest::fast}) {
-    AccelOptions options;
+    AccelOptions options = two_wide();
     options.triangle_test = triangle_test;
-    options.width = options.leaf_lanes = options.max_leaf = 2;
-    options.explicit_vectors = 1;
     test::Places places(3);
     Rays rays;
     for (std::uint32_t i = 0; i < 20; i++) {  // 16 go together, then one of four starts elsewhere
@@ -190,29 +196,11 @@ TEST_CASE("tiny: packets of rays, whole and broken") {
   }
 }
 
-TEST_CASE("tiny: sorted rays") {
-  AccelOptions options;
-  options.width = options.leaf_lanes = options.max_leaf = 2;
-  check_grouping(smaller_soup(), options, RayGrouping::sorted, rays_through(4));
-}
+TEST_CASE("tiny: sorted rays") { check_grouping(smaller_soup(), two_wide(), RayGrouping::sorted, rays_through(4)); }
 
-TEST_CASE("tiny: an octree") {
-  AccelOptions options;
-  options.kind = AccelKind::octree;
-  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
-}
-
-TEST_CASE("tiny: a kd-tree") {
-  AccelOptions options;
-  options.kind = AccelKind::kdtree;
-  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
-}
-
-TEST_CASE("tiny: a median kd-tree") {
-  AccelOptions options;
-  options.kind = AccelKind::kdtree_median;
-  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
-}
+TEST_CASE("tiny: an octree") { check_cells(AccelKind::octree); }
+TEST_CASE("tiny: a kd-tree") { check_cells(AccelKind::kdtree); }
+TEST_CASE("tiny: a median kd-tree") { check_cells(AccelKind::kdtree_median); }
 
 TEST_CASE("tiny: instances of two meshes answer rays as their copies do") {
   Scene scene;
@@ -263,8 +251,7 @@ TEST_CASE("tiny: packets and sorted rays render what single rays do") {
   options.depth = 1;
   Scene scene = small_room();
   scene.lights.resize(1);  // the point
-  options.accel.width = options.accel.leaf_lanes = options.accel.max_leaf = 2;
-  options.accel.explicit_vectors = 1;
+  options.accel = two_wide();
   Context context(choose_device(""), TinyTree::profile());
   options.rays = RayGrouping::single;
   const Image single = render_scene(context, scene, options).image;
