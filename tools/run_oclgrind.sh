@@ -32,14 +32,22 @@ cc -shared -fPIC -o "$scratch/keep.so" "$scratch/keep.c" || fail "a C compiler i
 # Kernels are compiled without the optimiser: it would hide reads of uninitialised values, and leave instructions
 # ("freeze") that this simulator does not know and takes for zero. hemiray's cache is off: of programs made from binaries
 # initialised values are reported as uninitialised.
+#
+# Oclgrind opens its log anew, and empties it, with every context: a pipe keeps what earlier ones reported.
 run_one() {  # LOG COMMAND...
-  local log=$1 rc=0
+  local log=$1 rc=0 pipe=$scratch/pipe reader
   shift
+  [[ -p $pipe ]] || mkfifo -- "$pipe"
+  cat -- "$pipe" >"$log" &
+  reader=$!
+  exec 3>"$pipe"  # held open between the contexts
   # shellcheck disable=SC2016
   env -u OCL_ICD_VENDORS -u OCL_ICD_FILENAMES -u HEMIRAY_DEVICE HEMIRAY_CACHE_DIR= \
     HEMIRAY_PROFILE="$here/oclgrind_profile.json" timeout -k 5 "${HEMIRAY_OCLGRIND_SECONDS:-120}" \
     oclgrind --build-options -cl-opt-disable --num-threads 1 --data-races --uninitialized --check-api \
-    --max-errors 20 --log "$log" bash -c 'LD_PRELOAD=$0:$LD_PRELOAD exec "$@"' "$scratch/keep.so" "$@" || rc=$?
+    --max-errors 20 --log "$pipe" bash -c 'LD_PRELOAD=$0:$LD_PRELOAD exec "$@"' "$scratch/keep.so" "$@" 3>&- || rc=$?
+  exec 3>&-
+  wait "$reader"
   if ((rc == 124 || rc == 137)); then echo "run_oclgrind: no end within ${HEMIRAY_OCLGRIND_SECONDS:-120} s" >&2; fi
   if [[ -s $log ]]; then
     echo "run_oclgrind: Oclgrind reports:" >&2

@@ -88,6 +88,8 @@ DeviceProfile class_profile(const DeviceInfo& device) {
     profile.chunks = static_cast<std::uint32_t>(device.compute_units) * 4;
     profile.queue_chunks = profile.chunks;
     profile.cluster_chunks = profile.chunks;
+    // Work-items go one after another: a round regroups no lanes, it only costs launches and memory traffic.
+    profile.tail_paths = profile.wave_slots;
   }
   return profile;
 }

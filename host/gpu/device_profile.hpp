@@ -17,6 +17,7 @@ namespace hemiray {
   FIELD(sort_groups, 0, 0, 4096, "work-groups that sort in local memory; 0: chunks sort by item")             \
   FIELD(queue_chunks, 16, 1, 65536, "work-items of queue compaction")                                         \
   FIELD(wave_slots, 65536, 64, 1U << 26U, "paths in flight")                                                  \
+  FIELD(tail_paths, 16384, 0, 1U << 26U, "so few paths left of a wave walk to their end in one kernel")       \
   FIELD(bvh_width, 8, 2, 8, "children a node: 2, 4 or 8")                                                     \
   FIELD(leaf_lanes, 8, 1, 8, "primitives a block of a leaf: 1, 2, 4 or 8")                                    \
   FIELD(max_leaf, 16, 1, 120, "primitives a leaf, at most 15 blocks")                                         \

@@ -44,7 +44,9 @@ std::uint64_t predict_render_bytes(const FlatScene& flat, std::uint32_t features
   const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   const std::uint64_t slots = std::min<std::uint64_t>(pixels, profile.wave_slots);
   const AccelMemory accel = predict_accel_bytes(flat, tree, profile);
-  const std::uint64_t trace = accel.tree + pixels * pixel_bytes(features) + slots * slot_bytes(features, engine, depth);
+  const std::uint64_t tail = engine == EngineKind::wavefront ? std::min<std::uint64_t>(slots, profile.tail_paths) : 0;
+  const std::uint64_t trace = accel.tree + pixels * pixel_bytes(features) +
+                              slots * slot_bytes(features, engine, depth) + tail * sizeof(shared::uint2);
   return predict_scene_bytes(flat, features) + std::max(accel.peak, trace);
 }
 

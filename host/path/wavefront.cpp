@@ -1,5 +1,6 @@
 #include "host/path/wavefront.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -14,10 +15,6 @@ namespace {
 constexpr std::uint32_t kPointLights = HR_FEATURE_POINT_LIGHTS | HR_FEATURE_SPOT_LIGHTS;
 constexpr std::uint32_t kOtherLights = HR_FEATURE_AREA_LIGHTS | HR_FEATURE_EMITTERS | HR_FEATURE_DIRECTIONAL_LIGHTS;
 constexpr std::uint32_t kGroupRays = 16;  // of a packet, kernels/lib/packet_rays.h
-
-// From this round on, and with no more than a share of the slots alive, a round is mostly launches.
-constexpr int kTailRound = 32;
-constexpr std::uint32_t kTailShare = 16;
 
 struct Stage {
   const char* kernel;
@@ -66,14 +63,31 @@ WavefrontEngine::WavefrontEngine(Context& context, Parallel& parallel, const Pro
       slots_(slots),
       options_(options),
       tracing_(tracing),
-      program_(context, "wavefront", {"path/queue.cl", "path/wavefront.cl", "film/accumulate.cl"}, options),
+      program_(context, "wavefront", {"path/queue.cl", "path/wavefront.cl", "path/finish.cl", "film/accumulate.cl"},
+               options),
       sums_(context, features_, slots),
       state_(context, features_, slots),
       branches_(context, features_, slots, depth),
       next_stage_(context, "next_stage", slots),
       queue_(context, "queue", slots),
       queue_other_(context, "queue", slots),
-      counts_(context, "queue counts", std::size_t{HR_STAGE_done} * context.profile().queue_chunks + 1) {}
+      counts_(context, "queue counts", std::size_t{HR_STAGE_done} * context.profile().queue_chunks + 1) {
+  if (context.profile().tail_paths > 0) {
+    tail_rays_ = Buffer<shared::uint2>(context, "ray counts", std::min(slots, context.profile().tail_paths));
+  }
+}
+
+bool WavefrontEngine::packs_shadows() const {
+  return tracing_.packets && has_feature(features_, kPointLights) && !has_feature(features_, kOtherLights);
+}
+
+bool WavefrontEngine::is_tail(std::uint32_t live, int round, std::uint32_t lights) const {
+  if (live > context_->profile().tail_paths) return false;
+  if (tracing_.sort_from > 0 && live >= tracing_.sort_from) return false;
+  // A surface's shadow rays take a round a light.
+  const std::uint32_t rounds_of_packets = packs_shadows() ? 2 + lights : 1;
+  return static_cast<std::uint32_t>(round) >= rounds_of_packets;
+}
 
 std::vector<std::uint32_t> WavefrontEngine::compact_queue(std::uint32_t live) {
   const std::uint32_t chunks = context_->profile().queue_chunks;
@@ -93,10 +107,8 @@ void WavefrontEngine::run_stage(std::size_t stage, std::uint32_t first, std::uin
                                 const Arguments& common) {
   const Arguments run = arguments(common, arg("queue", queue_), arg("first", first), arg("count", items));
   const bool camera_rays = stage == HR_STAGE_intersect_closest && round == 0;
-  const bool to_points = stage == HR_STAGE_intersect_shadow && has_feature(features_, kPointLights) &&
-                         !has_feature(features_, kOtherLights);
   if (tracing_.packets && camera_rays) return run_packets("path_intersect_closest_packets", items, run);
-  if (tracing_.packets && to_points) run_packets("path_answer_shadow_packets", items, run);
+  if (packs_shadows() && stage == HR_STAGE_intersect_shadow) run_packets("path_answer_shadow_packets", items, run);
   const bool incoherent = stage == HR_STAGE_intersect_closest && round > 0;
   if (incoherent && tracing_.sort_from > 0 && items >= tracing_.sort_from) {
     if (!sorter_) sorter_.emplace(*context_, *parallel_, slots_, tracing_.lo, tracing_.hi);
@@ -117,11 +129,7 @@ void WavefrontEngine::run_packets(const char* kernel, std::uint32_t rays, const 
 }
 
 RayCounts WavefrontEngine::finish_paths(std::uint32_t live, const Arguments& common) {
-  if (!finish_program_) {
-    finish_program_.emplace(*context_, "wavefront_finish", std::vector<std::string>{"path/finish.cl"}, options_);
-    tail_rays_ = Buffer<shared::uint2>(*context_, "ray counts", slots_ / kTailShare + 1);
-  }
-  launch(*context_, finish_program_->kernel("path_finish"), live,
+  launch(*context_, program_.kernel("path_finish"), live,
          arguments(common, arg("queue", queue_), arg("ray_counts", tail_rays_), arg("count", live)));
   RayCounts total;
   for (const shared::uint2& rays : tail_rays_.read(0, live)) {
@@ -140,7 +148,7 @@ RayCounts WavefrontEngine::trace(shared::RenderParams params, std::uint32_t coun
   run_stage(HR_STAGE_generate, 0, count, 0, common);
   std::vector<std::uint32_t> starts = compact_queue(count);
   for (int round = 0; starts.back() > 0; round++) {
-    if (round >= kTailRound && starts.back() <= slots_ / kTailShare) {
+    if (is_tail(starts.back(), round, params.light_count)) {
       const RayCounts tail = finish_paths(starts.back(), common);
       rays.closest += tail.closest;
       rays.shadow += tail.shadow;

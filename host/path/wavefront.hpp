@@ -1,4 +1,4 @@
-// The wavefront engine: a kernel a stage, queues compacted between rounds. The last few paths of a wave go as in the
+// The wavefront engine: a kernel a stage, queues compacted between rounds. The last paths of a wave go as in the
 // megakernel.
 #pragma once
 
@@ -44,6 +44,10 @@ class WavefrontEngine final : public PathEngine {
   void run_stage(std::size_t stage, std::uint32_t first, std::uint32_t items, int round, const Arguments& common);
   /// Traces `rays` rays of the queue's run in packets.
   void run_packets(const char* kernel, std::uint32_t rays, const Arguments& run);
+  /// Are shadow rays, too, traced in packets?
+  [[nodiscard]] bool packs_shadows() const;
+  /// Do the paths left walk to their end in one go? Not before rays that go in packets or are worth sorting are traced.
+  [[nodiscard]] bool is_tail(std::uint32_t live, int round, std::uint32_t lights) const;
   /// Walks the paths left in the queue to their end.
   RayCounts finish_paths(std::uint32_t live, const Arguments& common);
 
@@ -54,7 +58,7 @@ class WavefrontEngine final : public PathEngine {
   ProgramOptions options_;
   WaveTracing tracing_;
   Program program_;
-  std::optional<Program> packet_program_, finish_program_;  ///< compiled when they are first needed
+  std::optional<Program> packet_program_;  ///< compiled when it is first needed
   std::optional<RaySorter> sorter_;
   PathSums sums_;
   StateArrays state_;

@@ -199,7 +199,7 @@ static inline void intersect_packet_spheres(const SceneView* view, Packet* p, gl
         const Ray ray = make_ray(p->origin, (real3)(dx[i], dy[i], dz[i]), p->t_min, INFINITY);
         Hit hit;
         met[i] = intersect_lane(world_numbers(view), block, lane, &ray, &hit) ? -1 : 0;
-        t[i] = hit.t;
+        t[i] = met[i] ? hit.t : INFINITY;  // a miss leaves hit.t unset
       }
       if (take_hits(p, k, vload16(0, met), vload16(0, t), (float16)(0.0f), (float16)(0.0f),
                     (int)block_primitive(block, lane))) {

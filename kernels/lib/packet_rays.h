@@ -34,7 +34,7 @@ typedef struct Packet {
 } Packet;
 
 static inline float least_of16(float16 a) {
-  const float8 b = min(a.lo, a.hi);
+  const float8 b = min(a.lo, as_float8(upper_lanes(as_int16(a))));
   const float4 c = min(b.lo, b.hi);
   const float2 d = min(c.lo, c.hi);
   return min(d.x, d.y);

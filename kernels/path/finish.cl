@@ -1,5 +1,5 @@
-// The end of a wave: when few paths are left, launches cost more than the work in them, so the rest walk through their
-// stages in one go, as in the megakernel.
+// The end of a wave: when the paths left are not worth a round's launches and the way of their states through
+// memory, they walk through their stages in one go, as in the megakernel.
 #include "path/state_arrays.h"
 #include "path/walk.h"
 

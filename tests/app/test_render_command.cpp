@@ -6,6 +6,7 @@
 #include "host/base/exr.hpp"
 #include "host/base/image_decode.hpp"
 #include "tests/app/small_scenes.hpp"
+#include "tests/support/profile_file.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -53,6 +54,11 @@ bool same_bits(const Image& a, const Image& b) {
   }
   return true;
 }
+
+/// While it lives every path runs through the kernels of the stages; small pictures would otherwise be all tail.
+struct StagesToTheEnd {
+  test::ProfileFile file{test::ProfileFile::for_all(R"("tail_paths": 0)")};
+};
 
 std::set<std::string> stage_names(const json& statistics) {
   std::set<std::string> names;
@@ -159,6 +165,8 @@ TEST_CASE("render --png writes a PNG beside the EXR, and --exposure makes it bri
 
 TEST_CASE("render --json holds the statistics") {
   const Renders renders;
+  const json with_tail = renders.statistics(renders.glass, {"--spp", "2", "--seed", "5"});
+  const StagesToTheEnd stages;
   const json all = renders.statistics(renders.glass, {"--spp", "2", "--seed", "5"});
   CHECK(all["first_pixel_s"].get<double>() > 0.0);
   CHECK(all["total_s"].get<double>() >= all["first_pixel_s"].get<double>());
@@ -191,10 +199,14 @@ TEST_CASE("render --json holds the statistics") {
   }
   CHECK(generated == 24 * 16 * 2);
   CHECK(closest == all["rays"]["closest"]);
+  CHECK(stage_names(with_tail).count("path_finish") == 1);
+  CHECK(with_tail["rays"]["closest"].get<double>() == Approx(all["rays"]["closest"].get<double>()).epsilon(1e-3));
+  CHECK(with_tail["rays"]["shadow"].get<double>() == Approx(all["rays"]["shadow"].get<double>()).epsilon(1e-3));
 }
 
 TEST_CASE("render prints a table, on --quiet nothing, and no progress bar into a pipe") {
   const Renders renders;
+  const StagesToTheEnd stages;
   const ProgramResult table = renders.run(renders.glass, "a.exr", {"--spp", "1"});
   for (const char* word : {"scene", "effects", "refraction", "device", "compile", "build", "trace", "rays/s",
                            "path_shade_surface", "launches", "Mrays/s", "peak memory"}) {
@@ -215,6 +227,7 @@ TEST_CASE("render prints a table, on --quiet nothing, and no progress bar into a
 
 TEST_CASE("render runs only what the scene calls for") {
   const Renders renders;
+  const StagesToTheEnd stages;
   const json matte = renders.statistics(renders.matte, {"--spp", "1"});
   const json glass = renders.statistics(renders.glass, {"--spp", "1"});
   for (const char* effect : {"reflection", "refraction", "spheres", "area-lights"}) {
@@ -237,6 +250,7 @@ TEST_CASE("render runs only what the scene calls for") {
 
 TEST_CASE("render --trace is a timeline in Chrome's format") {
   const Renders renders;
+  const StagesToTheEnd stages;
   static_cast<void>(renders.run(renders.glass, "a.exr", {"--spp", "1", "--trace", renders.path("t.json"), "--quiet"}));
   const json trace = json::parse(read_whole_file(renders.path("t.json")));
   std::set<std::string> kernels;

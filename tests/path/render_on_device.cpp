@@ -5,7 +5,14 @@
 
 namespace hemiray {
 
-Image render_on_device(const Scene& scene, const ReferenceOptions& options, EngineKind engine, bool strict) {
+DeviceProfile profile_with_tail(std::uint32_t tail_paths) {
+  DeviceProfile profile = profile_for(choose_device(""));
+  profile.tail_paths = tail_paths;
+  return profile;
+}
+
+Image render_on_device(const Scene& scene, const ReferenceOptions& options, EngineKind engine, bool strict,
+                       std::uint32_t tail_paths) {
   RenderOptions render;
   render.engine = engine;
   render.width = options.width;
@@ -14,7 +21,7 @@ Image render_on_device(const Scene& scene, const ReferenceOptions& options, Engi
   render.depth = options.depth;
   render.seed = options.seed;
   render.strict = strict;
-  Context context(choose_device(""));
+  Context context(choose_device(""), profile_with_tail(tail_paths));
   return render_scene(context, scene, render).image;
 }
 

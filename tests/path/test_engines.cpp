@@ -26,6 +26,7 @@ using reference::ComparisonScene;
 // close.
 constexpr double kFastOutlierShare = 0.01;
 constexpr double kFastRelMse = 1e-7;
+constexpr std::uint32_t kTailPaths = 400;  // of 1189
 
 ReferenceOptions two_samples(ReferenceOptions options) {
   options.spp = 2;
@@ -79,6 +80,9 @@ void check_same_bits(const ComparisonScene& item) {
   const Image megakernel = render_on_device(item.scene, item.options, EngineKind::megakernel, true);
   INFO("scene '" << item.name << "', seed " << item.options.seed);
   CHECK(first_difference(wavefront, megakernel) == "");
+  // Some rounds of stages, then the walk to the end.
+  const Image walked = render_on_device(item.scene, item.options, EngineKind::wavefront, true, kTailPaths);
+  CHECK(first_difference(walked, megakernel) == "");
   CHECK(has_light(wavefront));
 }
 

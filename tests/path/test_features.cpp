@@ -96,12 +96,13 @@ void check_compiles(Context& context, std::uint32_t mask) {
   std::string names;
   for (const std::string& name : feature_names(mask)) names += name + " ";
   INFO("features: " << names);
-  Program wavefront(context, "wavefront", {"path/queue.cl", "path/wavefront.cl", "film/accumulate.cl"},
+  Program wavefront(context, "wavefront",
+                    {"path/queue.cl", "path/wavefront.cl", "path/finish.cl", "film/accumulate.cl"},
                     ProgramOptions{mask, false});
   const std::size_t stages = 4 + (has_feature(mask, HR_FEATURE_LIGHTS) ? 1 : 0) +
                              (has_feature(mask, HR_FEATURE_SECONDARY) ? 1 : 0) +
                              (has_feature(mask, HR_FEATURE_BRANCHING) ? 1 : 0);
-  CHECK(wavefront.kernel_count() == stages + 3);
+  CHECK(wavefront.kernel_count() == stages + 4);
   CHECK_NOTHROW(wavefront.kernel("path_shade_surface"));
   const Program megakernel(context, "megakernel", {"path/megakernel.cl", "film/accumulate.cl"},
                            ProgramOptions{mask, false});

@@ -8,6 +8,7 @@
 
 #include "host/path/render.hpp"
 #include "host/scene/features.hpp"
+#include "tests/path/render_on_device.hpp"
 #include "tests/reference/image_agreement.hpp"
 #include "tests/reference/scene_builder.hpp"
 
@@ -81,7 +82,7 @@ Image render(const Scene& scene, Instancing instancing, EngineKind engine, bool 
   options.engine = engine;
   options.strict = strict;
   options.instancing = instancing;
-  Context context(choose_device(""));
+  Context context(choose_device(""), profile_with_tail(0));
   RenderResult result = render_scene(context, scene, options);
   const bool shared = instancing == Instancing::always;
   CHECK(((result.statistics.features & HR_FEATURE_INSTANCES) != 0) == shared);

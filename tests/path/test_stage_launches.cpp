@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host/path/render.hpp"
+#include "tests/path/render_on_device.hpp"
 #include "tests/reference/scene_builder.hpp"
 
 namespace hemiray {
@@ -30,14 +31,14 @@ Scene ball_scene(const Material& ball, bool lit) {
   return scene;
 }
 
-RenderStatistics statistics_of(const Scene& scene, EngineKind engine, int depth = 4) {
+RenderStatistics statistics_of(const Scene& scene, EngineKind engine, int depth = 4, std::uint32_t tail_paths = 0) {
   RenderOptions options;
   options.engine = engine;
   options.width = options.height = kSize;
   options.spp = kPasses;
   options.depth = depth;
   options.strict = true;
-  Context context(choose_device(""));
+  Context context(choose_device(""), profile_with_tail(tail_paths));
   return render_scene(context, scene, options).statistics;
 }
 
@@ -50,6 +51,25 @@ std::map<std::string, StageTime> stages_of(const RenderStatistics& statistics) {
     CHECK(stages.emplace(stage.name, stage).second);
   }
   return stages;
+}
+
+// The last paths of a wave walk to their end: what they trace is not launched as stages, and counted all the same.
+void check_tail(const Scene& scene, int depth, std::uint32_t tail_paths, const RayCounts& all) {
+  INFO("a tail of " << tail_paths << " paths");
+  const RenderStatistics statistics = statistics_of(scene, EngineKind::wavefront, depth, tail_paths);
+  std::map<std::string, StageTime> stages = stages_of(statistics);
+  CHECK(statistics.rays.closest == all.closest);
+  CHECK(statistics.rays.shadow == all.shadow);
+  CHECK(stages["path_generate"].items == kSamples);
+  CHECK(stages["film_accumulate"].items == kSamples);
+  CHECK(stages["path_finish"].launches == kPasses);
+  CHECK(stages["path_finish"].items <= tail_paths * std::uint64_t{kPasses});
+  if (tail_paths < kSize * kSize) return;
+  CHECK(stages["path_finish"].items == kSamples);  // all, once the camera's rays are traced
+  CHECK(stages["path_intersect_closest"].items == kSamples);
+  for (const char* other : {"path_shade_miss", "path_shade_surface", "path_intersect_shadow", "path_scatter"}) {
+    CHECK(stages.count(other) == 0);
+  }
 }
 
 // What must hold of any render by the wavefront engine.
@@ -71,6 +91,8 @@ std::map<std::string, StageTime> check_wavefront(const Scene& scene, int depth =
   CHECK(twin_stages["path_megakernel"].launches == kPasses);
   CHECK(twin_stages.count("path_generate") == 0);
   CHECK(stages.count("path_megakernel") == 0);
+  CHECK(stages.count("path_finish") == 0);
+  check_tail(scene, depth, kSize * kSize, twin.rays);
   return stages;
 }
 
@@ -101,11 +123,14 @@ TEST_CASE("a mirror scatters without branches") {
 }
 
 TEST_CASE("glass branches, and every branch is taken up again") {
-  std::map<std::string, StageTime> stages = check_wavefront(ball_scene(glass(1.5F), true));
+  const Scene scene = ball_scene(glass(1.5F), true);
+  std::map<std::string, StageTime> stages = check_wavefront(scene);
   CHECK(stages["path_next_branch"].items > 0);
   // Each scattering goes on along one ray, and sets one aside where it both reflects and refracts.
   CHECK(stages["path_intersect_closest"].items ==
         kSamples + stages["path_scatter"].items + stages["path_next_branch"].items);
+  const RayCounts all = statistics_of(scene, EngineKind::megakernel).rays;
+  for (const std::uint32_t tail_paths : {50U, 200U}) check_tail(scene, 4, tail_paths, all);
 }
 
 TEST_CASE("at depth zero a glass scene launches what a diffuse one does") {
@@ -145,10 +170,12 @@ TEST_CASE("device memory is predicted before it is taken") {
   glass.kr = glass.kt = Vec3(1.0F);
   for (const EngineKind engine : {EngineKind::wavefront, EngineKind::megakernel}) {
     for (const Material& ball : {diffuse(Vec3(0.5F)), glass}) {
-      const RenderStatistics statistics = statistics_of(ball_scene(ball, true), engine);
-      const auto peak = static_cast<double>(statistics.peak_device_bytes);
-      INFO(statistics.predicted_device_bytes << " predicted, " << peak << " taken");
-      CHECK(std::abs(static_cast<double>(statistics.predicted_device_bytes) - peak) < 0.05 * peak);
+      for (const std::uint32_t tail_paths : {0U, std::uint32_t{kSize} * kSize}) {
+        const RenderStatistics statistics = statistics_of(ball_scene(ball, true), engine, 4, tail_paths);
+        const auto peak = static_cast<double>(statistics.peak_device_bytes);
+        INFO(statistics.predicted_device_bytes << " predicted, " << peak << " taken, a tail of " << tail_paths);
+        CHECK(std::abs(static_cast<double>(statistics.predicted_device_bytes) - peak) < 0.05 * peak);
+      }
     }
   }
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/bvh/ray_queries.hpp"
+#include "host/bvh/visit_counts.hpp"
 #include "host/path/render.hpp"
 #include "tests/bvh/double_oracle.hpp"
 #include "tests/bvh/instanced_scenes.hpp"
@@ -90,16 +91,25 @@ void check_grouping(const FlatScene& flat, const AccelOptions& options, RayGroup
   check_rays(flat, queries, rays);
 }
 
-FlatScene smaller_soup() {
-  FlatScene flat = test::soup(5, 1, 1.5F, 3);
+FlatScene soup_above_plane(std::uint32_t triangles, std::uint32_t spheres, float size) {
+  FlatScene flat = test::soup(triangles, spheres, size, 3);
   test::add_plane(flat, {0, -1.5F, 0}, {0, 1, 0});
   return flat;
 }
+FlatScene smaller_soup() { return soup_above_plane(5, 1, 1.5F); }
+FlatScene small_soup() { return soup_above_plane(14, 3, 0.8F); }
 
-FlatScene small_soup() {
-  FlatScene flat = test::soup(14, 3, 0.8F, 3);
-  test::add_plane(flat, {0, -1.5F, 0}, {0, 1, 0});
-  return flat;
+AccelOptions two_wide() {
+  AccelOptions options;
+  options.width = options.leaf_lanes = options.max_leaf = 2;
+  options.explicit_vectors = 1;
+  return options;
+}
+
+void check_cells(AccelKind kind) {
+  AccelOptions options;
+  options.kind = kind;
+  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
 }
 
 // Mirror, glass, texture, ambient light, a point light and a lamp: nearly all that a path can meet.
@@ -181,18 +191,15 @@ TEST_CASE("tiny: the fast tree without vectors, four wide, one primitive a leaf"
 }
 
 TEST_CASE("tiny: the fast triangle test, two wide") {
-  AccelOptions options;
+  AccelOptions options = two_wide();
   options.triangle_test = TriangleTest::fast;
-  options.width = options.leaf_lanes = options.max_leaf = 2;
   check_tree(small_soup(), options);
 }
 
 TEST_CASE("tiny: packets of rays, whole and broken") {
   for (const TriangleTest triangle_test : {TriangleTest::watertight, TriangleTest::fast}) {
-    AccelOptions options;
+    AccelOptions options = two_wide();
     options.triangle_test = triangle_test;
-    options.width = options.leaf_lanes = options.max_leaf = 2;
-    options.explicit_vectors = 1;
     test::Places places(3);
     Rays rays;
     for (std::uint32_t i = 0; i < 20; i++) {  // 16 go together, then one of four starts elsewhere
@@ -203,29 +210,11 @@ TEST_CASE("tiny: packets of rays, whole and broken") {
   }
 }
 
-TEST_CASE("tiny: sorted rays") {
-  AccelOptions options;
-  options.width = options.leaf_lanes = options.max_leaf = 2;
-  check_grouping(smaller_soup(), options, RayGrouping::sorted, rays_through(4));
-}
+TEST_CASE("tiny: sorted rays") { check_grouping(smaller_soup(), two_wide(), RayGrouping::sorted, rays_through(4)); }
 
-TEST_CASE("tiny: an octree") {
-  AccelOptions options;
-  options.kind = AccelKind::octree;
-  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
-}
-
-TEST_CASE("tiny: a kd-tree") {
-  AccelOptions options;
-  options.kind = AccelKind::kdtree;
-  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
-}
-
-TEST_CASE("tiny: a median kd-tree") {
-  AccelOptions options;
-  options.kind = AccelKind::kdtree_median;
-  check_grouping(smaller_soup(), options, RayGrouping::single, rays_through(5));
-}
+TEST_CASE("tiny: an octree") { check_cells(AccelKind::octree); }
+TEST_CASE("tiny: a kd-tree") { check_cells(AccelKind::kdtree); }
+TEST_CASE("tiny: a median kd-tree") { check_cells(AccelKind::kdtree_median); }
 
 TEST_CASE("tiny: instances of two meshes answer rays as their copies do") {
   Scene scene;
@@ -253,41 +242,62 @@ TEST_CASE("tiny: both engines render a room") {
   options.width = options.height = 5;
   options.depth = 3;
   const Scene scene = small_room();
-  const Image wavefront = render_on_device(scene, options, EngineKind::wavefront, true);
   const Image megakernel = render_on_device(scene, options, EngineKind::megakernel, true);
-  for (const std::string layer : {"direct", "reflection", "refraction"}) {
-    INFO(layer);
-    double sum = 0.0;
-    for (int y = 0; y < options.height; y++) {
-      for (int x = 0; x < options.width; x++) {
-        const double value = reference::value_at(wavefront, layer, x, y);
-        CHECK(value == reference::value_at(megakernel, layer, x, y));
-        sum += value;
+  for (const std::uint32_t tail_paths : {0U, 9U}) {
+    const Image wavefront = render_on_device(scene, options, EngineKind::wavefront, true, tail_paths);
+    for (const std::string layer : {"direct", "reflection", "refraction"}) {
+      INFO(layer << ", a tail of " << tail_paths);
+      double sum = 0.0;
+      for (int y = 0; y < options.height; y++) {
+        for (int x = 0; x < options.width; x++) {
+          const double value = reference::value_at(wavefront, layer, x, y);
+          CHECK(value == reference::value_at(megakernel, layer, x, y));
+          sum += value;
+        }
       }
+      CHECK(sum > 0.0);
     }
-    CHECK(sum > 0.0);
   }
 }
 
-TEST_CASE("packets and sorted rays render what single rays do, in trees two wide") {
+TEST_CASE("tiny: visits are counted") {
+  TinyTree tree(test::soup(20, 4, 0.3F, 3), two_wide());
+  const test::Rays rays = test::random_rays(6, 4);
+  const Buffer<shared::QueryRay> buffer(tree.context, "rays", std::span<const shared::QueryRay>(rays));
+  for (const bool any_hit : {false, true}) {
+    CHECK(count_visits(tree.context, tree.scene, *tree.accel, buffer, 6, any_hit).nodes >= 1.0);
+  }
+}
+
+TEST_CASE("tiny: packets and sorted rays render what single rays do") {
   RenderOptions options;
   options.width = options.height = 6;
   options.spp = 1;
-  options.depth = 2;
+  options.depth = 1;
   Scene scene = small_room();
   scene.lights.resize(1);  // the point
-  options.accel.width = options.accel.leaf_lanes = options.accel.max_leaf = 2;
-  options.accel.explicit_vectors = 1;
-  Context context(choose_device(""));
+  options.accel = two_wide();
+  DeviceProfile profile = TinyTree::profile(0);
+  profile.tail_paths = 0;
+  Context context(choose_device(""), profile);
   options.rays = RayGrouping::single;
   const Image single = render_scene(context, scene, options).image;
-  for (const RayGrouping rays : {RayGrouping::packets, RayGrouping::sorted}) {
-    options.rays = rays;
-    const Image other = render_scene(context, scene, options).image;
+  struct Grouping {
+    RayGrouping rays;
+    std::string last_kernel;  // that only this one launches
+  };
+  for (const Grouping& grouping :
+       {Grouping{RayGrouping::packets, "path_answer_shadow_packets"}, {RayGrouping::sorted, "path_order_queue"}}) {
+    options.rays = grouping.rays;
+    const RenderResult other = render_scene(context, scene, options);
+    const std::vector<StageTime>& stages = other.statistics.stages;
+    INFO(grouping.last_kernel);
+    CHECK(std::any_of(stages.begin(), stages.end(),
+                      [&grouping](const StageTime& stage) { return stage.name == grouping.last_kernel; }));
     std::size_t apart = 0;  // where a ray passes an edge within rounding
     for (int i = 0; i < 36; i++) {
       const double a = reference::value_at(single, "direct", i % 6, i / 6);
-      apart += std::abs(reference::value_at(other, "direct", i % 6, i / 6) - a) > 1e-4 * (1 + a) ? 1 : 0;
+      apart += std::abs(reference::value_at(other.image, "direct", i % 6, i / 6) - a) > 1e-4 * (1 + a) ? 1 : 0;
     }
     CHECK(apart <= 1);
   }

@@ -13,6 +13,7 @@
 #include "host/base/error.hpp"
 #include "host/path/render.hpp"
 #include "host/path/wave_tracing.hpp"
+#include "tests/path/render_on_device.hpp"
 #include "tests/reference/image_agreement.hpp"
 #include "tests/reference/scene_builder.hpp"
 
@@ -25,6 +26,7 @@ using namespace reference;
 // passes an edge or a silhouette that close, a pixel differs outright.
 constexpr double kPacketOutlierShare = 0.002;
 constexpr double kPacketRelMse = 1e-7;
+constexpr std::uint32_t kManyPaths = 16384;  // more than any picture here has
 
 // Triangles, spheres and a plane; lights that are points. Mirrors keep incoherent rays coming.
 Scene lit_scene() {
@@ -52,7 +54,8 @@ Scene glass_scene() {
 }
 
 RenderResult render(const Scene& scene, const std::optional<RayGrouping>& rays, bool strict = false,
-                    EngineKind engine = EngineKind::wavefront, int depth = 3, int size = 96) {
+                    EngineKind engine = EngineKind::wavefront, int depth = 3, int size = 96,
+                    std::uint32_t tail_paths = 0) {
   RenderOptions options;
   options.engine = engine;
   options.width = size;
@@ -61,7 +64,7 @@ RenderResult render(const Scene& scene, const std::optional<RayGrouping>& rays, 
   options.depth = depth;
   options.strict = strict;
   options.rays = rays;
-  Context context(choose_device(""));
+  Context context(choose_device(""), profile_with_tail(tail_paths));
   return render_scene(context, scene, options);
 }
 
@@ -143,12 +146,31 @@ TEST_CASE("packets are refused where they cannot be had") {
 
 TEST_CASE("the last paths of a wave walk to their end in one go, with the same bits") {
   const Scene scene = glass_scene();
-  const RenderResult wavefront = render(scene, {}, true, EngineKind::wavefront, 14, 64);
   const RenderResult megakernel = render(scene, {}, true, EngineKind::megakernel, 14, 64);
-  CHECK(stages_of(wavefront).at("path_finish").items > 0);
-  CHECK(wavefront.statistics.rays.closest == megakernel.statistics.rays.closest);
-  CHECK(wavefront.statistics.rays.shadow == megakernel.statistics.rays.shadow);
-  check_same_bits(wavefront.image, megakernel.image);
+  for (const std::uint32_t tail_paths : {3U, 300U, 2000U, kManyPaths}) {
+    INFO("a tail of " << tail_paths << " paths");
+    const RenderResult wavefront = render(scene, {}, true, EngineKind::wavefront, 14, 64, tail_paths);
+    const StageTime tail = stages_of(wavefront).at("path_finish");
+    CHECK(tail.launches == 1);
+    CHECK(tail.items > 0);
+    CHECK(tail.items <= tail_paths);
+    CHECK(wavefront.statistics.rays.closest == megakernel.statistics.rays.closest);
+    CHECK(wavefront.statistics.rays.shadow == megakernel.statistics.rays.shadow);
+    check_same_bits(wavefront.image, megakernel.image);
+  }
+}
+
+TEST_CASE("rays that go in packets or are sorted do so before the tail") {
+  const Scene scene = lit_scene();  // two lights: a surface sends two rounds of shadow rays
+  std::map<std::string, StageTime> packets =
+      stages_of(render(scene, RayGrouping::packets, false, EngineKind::wavefront, 3, 96, kManyPaths));
+  CHECK(packets.at("path_intersect_closest_packets").launches == 1);
+  CHECK(packets.at("path_answer_shadow_packets").launches == 2);
+  CHECK(packets.at("path_finish").launches == 1);
+  std::map<std::string, StageTime> sorted =
+      stages_of(render(scene, RayGrouping::sorted, true, EngineKind::wavefront, 3, 96, kManyPaths));
+  CHECK(sorted.count("path_finish") == 0);
+  CHECK(sorted.at("path_order_queue").launches >= 1);
 }
 
 }  // namespace hemiray
