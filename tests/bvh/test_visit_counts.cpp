@@ -60,7 +60,8 @@ VisitCounts walk(const Accel& accel, const Rays& rays) {
 
 VisitCounts counted(QueryBench& bench, Context& context, const Rays& rays, bool any_hit) {
   const Buffer<shared::QueryRay> buffer(context, "rays", std::span<const shared::QueryRay>(rays));
-  return count_visits(context, bench.tree.scene, bench.tree.accel, buffer, static_cast<std::uint32_t>(rays.size()), any_hit);
+  return count_visits(context, bench.tree.scene, bench.tree.accel, buffer, static_cast<std::uint32_t>(rays.size()),
+                      any_hit);
 }
 
 }  // namespace
