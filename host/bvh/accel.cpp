@@ -19,9 +19,9 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 // clustering makes up for.
 constexpr unsigned kMortonBits = 33;
 
-// Times that every node of the top may move: what is best for one changes as others move, so a sweep takes every sixth
-// node, six times.
-constexpr std::uint32_t kTopSweeps = 2, kTopShares = 6;
+// Times that every node of the top may move: what is best for one changes as others move, so a sweep takes every third
+// node, three times.
+constexpr std::uint32_t kTopSweeps = 2, kTopShares = 3;
 
 void grow(shared::float4& lo, shared::float4& hi, const shared::float4& part_lo, const shared::float4& part_hi) {
   lo = {std::min(lo.x, part_lo.x), std::min(lo.y, part_lo.y), std::min(lo.z, part_lo.z), 0.0F};

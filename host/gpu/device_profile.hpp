@@ -25,7 +25,7 @@ namespace hemiray {
   FIELD(cluster_chunks, 8, 1, 4096, "work-items that cluster the sorted primitives")                          \
   FIELD(cluster_limit, 32, 2, 64, "clusters a range of the tree may hold before neighbours are merged")       \
   FIELD(cluster_keep, 16, 1, 64, "clusters left then")                                                        \
-  FIELD(top_nodes, 32768, 0, 65536, "largest nodes of a quality tree that move to where they cost less")      \
+  FIELD(top_nodes, 16384, 0, 65536, "largest nodes of a quality tree that move to where they cost less")      \
   FIELD(collapse_regions, 256, 2, 65536, "work-items that collapse the binary tree")                          \
   FIELD(rays_per_item, 1, 1, 4096, "rays a work-item of a single-ray query traces")                           \
   FIELD(packet_groups, 4, 1, 8, "vectors of rays a packet has")                                               \
