@@ -139,14 +139,16 @@ std::string traces_table(const std::vector<TraceTimes>& traces) {
                          "least", "most", "ratio", "answers");
     }
     const auto of = [&](double ms) { return static_cast<double>(trace.ray_count) / (ms * 1e3); };
-    text +=
-        fmt::format("  {:<38}{:>10.2f}{:>10.2f}{:>10.2f}{:>8.2f}  {}{} differ\n", trace.tracer, of(trace.ms.median),
-                    of(trace.ms.most), of(trace.ms.least), mrays_per_second(trace) / mrays_per_second(traces.front()),
-                    trace.valid ? "" : "INVALID: ", trace.disagreements);
+    const bool alone = traces.size() == 1 && trace.disagreements == 0 && !trace.valid;
+    const std::string answers = alone ? "NOT VERIFIED: no other tracer"
+                                      : fmt::format("{}{} differ", trace.valid ? "" : "INVALID: ", trace.disagreements);
+    text += fmt::format("  {:<38}{:>10.2f}{:>10.2f}{:>10.2f}{:>8.2f}  {}", trace.tracer, of(trace.ms.median),
+                        of(trace.ms.most), of(trace.ms.least),
+                        mrays_per_second(trace) / mrays_per_second(traces.front()), answers);
     if (trace.visits) {
-      text.insert(text.size() - 1,
-                  fmt::format(", {:.2f} nodes + {:.2f} blocks a ray", trace.visits->nodes, trace.visits->blocks));
+      text += fmt::format(", {:.2f} nodes + {:.2f} blocks a ray", trace.visits->nodes, trace.visits->blocks);
     }
+    text += '\n';
   }
   return text;
 }
