@@ -17,12 +17,14 @@ namespace {
 /// A render that would take hours, on a terminal, under way when the constructor returns.
 struct LongRender {
   TempFolder folder;
-  std::string scene = folder.write("scene.json", kMatteScene).string();
+  std::string scene;
   std::string output = (folder / "a.exr").string();
   RunningProgram program;
 
-  explicit LongRender(const std::string& size, const std::string& spp = "1000000")
-      : program({{"render", scene, "-o", output, "--size", size, "--spp", spp}, {}, true, 0, "/dev/null"}) {
+  explicit LongRender(const std::string& size, const std::string& spp = "1000000",
+                      const std::string& scene_text = kMatteScene)
+      : scene(folder.write("scene.json", scene_text).string()),
+        program({{"render", scene, "-o", output, "--size", size, "--spp", spp}, {}, true, 0, "/dev/null"}) {
     program.wait_for("render [");
   }
 };
@@ -79,7 +81,13 @@ TEST_CASE("the progress bar on a terminal shows rate and time left and is wiped"
 }
 
 TEST_CASE("an interrupt in the only pass is not forgotten") {
-  LongRender render("2500x2500", "1");
+  // So many lights that the pass takes seconds: there is no progress to see in the first one.
+  std::string text = kMatteScene;
+  const std::string light = R"({ "type": "point", "position": [0.5, 2, 0.5], "intensity": [9, 9, 9] })";
+  const std::size_t at = text.find(light);
+  REQUIRE(at != std::string::npos);
+  for (int i = 0; i < 63; i++) text.insert(at, light + ", ");
+  LongRender render("2500x2500", "1", text);
   render.program.send(SIGINT);
   const ProgramEnd end = render.program.wait();
   INFO(end.err);
