@@ -69,7 +69,7 @@ typedef struct CollapseRegion {
   uint pad2;
 } CollapseRegion;
 
-// What one chunk of primitives contributes to the scene's bounds (bvh/bounds.cl).
+// What one chunk of primitives contributes to the scene's bounds (bvh/morton.cl).
 typedef struct BoundsPartial {
   float4 lo;  // of the boxes [m]
   float4 hi;
