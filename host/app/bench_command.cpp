@@ -127,7 +127,9 @@ void prepare_outputs(const BenchArguments& given) {
   for (const std::string& file : {given.json, given.csv}) {
     if (!file.empty()) check_writable(file);
   }
-  if (!given.json.empty() && given.json == given.csv) throw InputError("--csv", "the same file as --json");
+  const auto place = [](const std::string& file) { return fs::absolute(file).lexically_normal(); };
+  const bool same = !given.json.empty() && !given.csv.empty() && place(given.json) == place(given.csv);
+  if (same) throw InputError("--csv", "the same file as --json");
   if (given.plot.empty()) return;
   check_plotting();
   std::error_code error;
