@@ -31,9 +31,10 @@ static inline void prefetch_child(const SceneView* view, int child) {
 
 // One axis of a ray's slab tests: a plane at p is entered at fma(p, in_rate, in_offset), left at fma(p, out_rate,
 // out_offset). With the plain offset -origin / direction rays are lost: its rounding, half an ulp of itself, is not
-// small beside a distance that is. The watertight form therefore lowers the one offset and raises the other by two
-// ulps; all other roundings, of the reciprocal, of the fma and of out_rate, are relative to the distance, and out_rate
-// and out_offset are raised by HR_SLAB_PAD to outweigh them. So it takes no more operations than the plain one.
+// small beside a distance that is. The watertight form therefore
+// lowers the one offset and raises the other by three ulps: half an ulp each for the rounding of the offset, of moving
+// it, of padding it and of out_rate, and one to spare. All other roundings are relative to the distance, and
+// HR_SLAB_PAD in out_rate and out_offset outweighs them. So it takes no more operations than the plain one.
 typedef struct AxisSlab {
   uint in_row, out_row;  // of the node, in words
   real in_rate, in_offset, out_rate, out_offset;
@@ -50,7 +51,7 @@ typedef struct Slabs {
 #define HR_SAFE_SLABS 0
 #endif
 
-#define HR_OFFSET_SLACK (4 * HR_HALF_ULP)
+#define HR_OFFSET_SLACK (6 * HR_HALF_ULP)
 // Larger ones come close to the end of a float's range. Only rays that start beyond 1e19, nearly across an axis, have
 // them; they turn by less than what the origin is rounded to.
 #define HR_MOST_OFFSET REAL(1e37)
