@@ -134,11 +134,27 @@ void fit_to_display(Image& image, const ExrHeaderFacts::Window& data, const ExrH
   }
 }
 
+bool is_window(const Imath::Box2i& box, const ExrHeaderFacts::Window& window) {
+  return box.min.x == window.min_x && box.min.y == window.min_y && box.max.x == window.max_x &&
+         box.max.y == window.max_y;
+}
+
+// Our buffers have the sizes that we read from the header: the library must have read the same ones.
+void check_agreement(const Imf::Header& header, const ExrHeaderFacts& facts, const std::string& place) {
+  std::uint64_t channels = 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) ++channels;
+  if (channels != facts.channel_count || !is_window(header.dataWindow(), facts.data_window) ||
+      !is_window(header.displayWindow(), facts.display_window)) {
+    throw InputError(place, "broken EXR file (its header can be read in two ways); save it again");
+  }
+}
+
 Image decode_with_library(std::span<const std::uint8_t> bytes, const std::string& place, const ExrHeaderFacts& facts) {
   ExrMemoryInput stream(bytes, place);
   Imf::InputFile file(stream, 0);
   if (!file.isComplete()) throw InputError(place, "the EXR file is incomplete; write it again");
   const Imf::Header& header = file.header();
+  check_agreement(header, facts, place);
   const ExrHeaderFacts::Window& data = facts.data_window;
 
   Image image;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <stdexcept>
 #include <string_view>
 
@@ -44,6 +45,23 @@ constexpr std::uint32_t kDeepFlag = 0x800;
 constexpr std::uint32_t kMultiPartFlag = 0x1000;
 constexpr std::size_t kMaxNameLength = 255;
 
+// Bytes of the types of attributes that have a fixed size (OpenEXR file layout, "Predefined Attribute Types"). The
+// library reads that many whatever the file claims, and from there on would read another header than we do.
+struct FixedSize {
+  std::string_view type;
+  std::size_t bytes;
+};
+constexpr FixedSize kFixedSizes[] = {
+    {"box2f", 16},      {"box2i", 16},   {"chromaticities", 32},
+    {"compression", 1}, {"double", 8},   {"envmap", 1},
+    {"float", 4},       {"int", 4},      {"keycode", 28},
+    {"lineOrder", 1},   {"m33d", 72},    {"m33f", 36},
+    {"m44d", 128},      {"m44f", 64},    {"rational", 8},
+    {"tiledesc", 9},    {"timecode", 8}, {"v2d", 16},
+    {"v2f", 8},         {"v2i", 8},      {"v3d", 24},
+    {"v3f", 12},        {"v3i", 12},     {"deepImageState", 1},
+};
+
 /// Little-endian values one after the other; throws InputError past the end.
 class HeaderCursor {
  public:
@@ -69,6 +87,7 @@ class HeaderCursor {
     bytes_ = bytes_.subspan(length + 1);
     return name;
   }
+  [[nodiscard]] bool at_end() const { return bytes_.empty(); }
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError(place_, "broken or truncated EXR file (" + what + "); save it again");
   }
@@ -95,6 +114,13 @@ void parse_channels(HeaderCursor value, ExrHeaderFacts& facts) {
     facts.subsampled = facts.subsampled || x_sampling != 1 || y_sampling != 1;
     ++facts.channel_count;
   }
+  if (!value.at_end()) value.fail("something follows the last channel");
+}
+
+bool has_its_types_size(std::string_view type, std::size_t bytes) {
+  const auto* const found = std::find_if(std::begin(kFixedSizes), std::end(kFixedSizes),
+                                         [&](const FixedSize& fixed) { return fixed.type == type; });
+  return found == std::end(kFixedSizes) || found->bytes == bytes;
 }
 
 }  // namespace
@@ -122,6 +148,7 @@ ExrHeaderFacts inspect_exr_header(std::span<const std::uint8_t> bytes, const std
   for (std::string_view name = cursor.take_name(); !name.empty(); name = cursor.take_name()) {
     const std::string_view type = cursor.take_name();
     const auto value = cursor.take(cursor.take_u32());
+    if (!has_its_types_size(type, value.size())) cursor.fail("an attribute is not of its type's size");
     const HeaderCursor content(value, place);
     if (name == "channels" && type == "chlist") {
       mark(has_channels);

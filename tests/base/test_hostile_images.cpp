@@ -142,6 +142,36 @@ Bytes exr_with_windows(std::int32_t max_x, std::int32_t max_y) {
   return bytes;
 }
 
+// Where an attribute begins, by its name and its type.
+Bytes::iterator attribute_in(Bytes& exr, const std::string& name, const std::string& type) {
+  const std::string words = name + std::string(1, '\0') + type + std::string(1, '\0');
+  const auto found = std::search(exr.begin(), exr.end(), words.begin(), words.end());
+  REQUIRE(found != exr.end());
+  return found;
+}
+
+// An attribute as the file has it.
+Bytes attribute_bytes(const std::string& name, const std::string& type, const Bytes& value) {
+  Bytes bytes(name.begin(), name.end());
+  bytes.push_back(0);
+  bytes.insert(bytes.end(), type.begin(), type.end());
+  bytes.push_back(0);
+  for (unsigned i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(value.size() >> (8 * i)));
+  bytes.insert(bytes.end(), value.begin(), value.end());
+  return bytes;
+}
+
+// `smuggled` lies within a float's value for a reader that believes the attribute's size, and is an attribute of its
+// own for one that believes its type.
+Bytes exr_that_reads_in_two_ways(const Bytes& smuggled) {
+  Bytes bytes = small_exr();
+  Bytes value{0, 0, 128, 63};
+  value.insert(value.end(), smuggled.begin(), smuggled.end());
+  const Bytes carrier = attribute_bytes("carrier", "float", value);
+  bytes.insert(attribute_in(bytes, "lineOrder", "lineOrder"), carrier.begin(), carrier.end());
+  return bytes;
+}
+
 }  // namespace
 
 TEST_CASE("every truncated PNG, JPEG and EXR is refused") {
@@ -214,4 +244,19 @@ TEST_CASE("an EXR that is missing, a folder, multi-part or deep says so") {
   CHECK_THAT(error_of(decode_layers, bytes), Catch::Contains("multi-part"));
   bytes[5] = 0x08;
   CHECK_THAT(error_of(decode_layers, bytes), Catch::Contains("deep"));
+}
+
+// Found by the fuzzer: our buffers had the window's size that we had read, the library wrote by the one it had read.
+TEST_CASE("EXR: a header that reads in two ways is refused") {
+  const Bytes larger_window{0, 0, 0, 0, 0, 0, 0, 0, 200, 0, 0, 0, 200, 0, 0, 0};
+  const Bytes smuggled = attribute_bytes("dataWindow", "box2i", larger_window);
+  CHECK(error_of(decode_layers, exr_that_reads_in_two_ways(smuggled)).find("type's size") != std::string::npos);
+
+  Bytes trailing = small_exr();
+  const auto channels = attribute_in(trailing, "channels", "chlist");
+  const auto size = channels + 16, value = size + 4;  // "channels", "chlist" and their zeros
+  const auto end = value + *size;
+  *size = static_cast<std::uint8_t>(*size + smuggled.size());
+  trailing.insert(end, smuggled.begin(), smuggled.end());
+  CHECK(error_of(decode_layers, trailing).find("follows the last channel") != std::string::npos);
 }
