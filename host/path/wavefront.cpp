@@ -81,12 +81,15 @@ bool WavefrontEngine::packs_shadows() const {
   return tracing_.packets && has_feature(features_, kPointLights) && !has_feature(features_, kOtherLights);
 }
 
-bool WavefrontEngine::is_tail(std::uint32_t live, int round, std::uint32_t lights) const {
+std::uint32_t WavefrontEngine::rounds_of_packets(std::uint32_t lights) const {
+  if (!tracing_.packets) return 0;
+  return packs_shadows() ? 2 + lights : 1;  // a surface's shadow rays take a round a light
+}
+
+bool WavefrontEngine::is_tail(std::uint32_t live, Round round) const {
   if (live > context_->profile().tail_paths) return false;
   if (tracing_.sort_from > 0 && live >= tracing_.sort_from) return false;
-  // A surface's shadow rays take a round a light.
-  const std::uint32_t rounds_of_packets = packs_shadows() ? 2 + lights : 1;
-  return static_cast<std::uint32_t>(round) >= rounds_of_packets;
+  return round.number > 0 && !round.in_packets;
 }
 
 std::vector<std::uint32_t> WavefrontEngine::compact_queue(std::uint32_t live) {
@@ -103,13 +106,15 @@ std::vector<std::uint32_t> WavefrontEngine::compact_queue(std::uint32_t live) {
   return starts;
 }
 
-void WavefrontEngine::run_stage(std::size_t stage, std::uint32_t first, std::uint32_t items, int round,
+void WavefrontEngine::run_stage(std::size_t stage, std::uint32_t first, std::uint32_t items, Round round,
                                 const Arguments& common) {
   const Arguments run = arguments(common, arg("queue", queue_), arg("first", first), arg("count", items));
-  const bool camera_rays = stage == HR_STAGE_intersect_closest && round == 0;
-  if (tracing_.packets && camera_rays) return run_packets("path_intersect_closest_packets", items, run);
-  if (packs_shadows() && stage == HR_STAGE_intersect_shadow) run_packets("path_answer_shadow_packets", items, run);
-  const bool incoherent = stage == HR_STAGE_intersect_closest && round > 0;
+  const bool camera_rays = stage == HR_STAGE_intersect_closest && round.number == 0;
+  if (round.in_packets && camera_rays) return run_packets("path_intersect_closest_packets", items, run);
+  if (round.in_packets && packs_shadows() && stage == HR_STAGE_intersect_shadow) {
+    run_packets("path_answer_shadow_packets", items, run);
+  }
+  const bool incoherent = stage == HR_STAGE_intersect_closest && round.number > 0;
   if (incoherent && tracing_.sort_from > 0 && items >= tracing_.sort_from) {
     if (!sorter_) sorter_.emplace(*context_, *parallel_, slots_, tracing_.lo, tracing_.hi);
     sorter_->sort(queue_, first, items, state_.rays);
@@ -145,10 +150,11 @@ RayCounts WavefrontEngine::trace(shared::RenderParams params, std::uint32_t coun
                                      arg("next_stage", next_stage_), arg("params", params));
   RayCounts rays;
   queue_.write(slots_by_tile(params.first_pixel, count, params.width));
-  run_stage(HR_STAGE_generate, 0, count, 0, common);
+  run_stage(HR_STAGE_generate, 0, count, {}, common);
   std::vector<std::uint32_t> starts = compact_queue(count);
-  for (int round = 0; starts.back() > 0; round++) {
-    if (is_tail(starts.back(), round, params.light_count)) {
+  for (Round round; starts.back() > 0; round.number++) {
+    round.in_packets = round.number < rounds_of_packets(params.light_count);
+    if (is_tail(starts.back(), round)) {
       const RayCounts tail = finish_paths(starts.back(), common);
       rays.closest += tail.closest;
       rays.shadow += tail.shadow;

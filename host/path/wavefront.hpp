@@ -38,16 +38,25 @@ class WavefrontEngine final : public PathEngine {
     void add(Context& context, const char* name, std::uint32_t /*type*/, std::uint32_t slots);
   };
 
+  /// One turn of all stages; in round 0 the camera's rays are traced.
+  struct Round {
+    std::uint32_t number = 0;
+    bool in_packets = false;
+  };
+
   /// Sorts the live slots of the queue by their next stage; returns where each stage's run starts, and the end.
   std::vector<std::uint32_t> compact_queue(std::uint32_t live);
-  /// Runs one stage over its part of the queue; `round` 0 has the camera's rays.
-  void run_stage(std::size_t stage, std::uint32_t first, std::uint32_t items, int round, const Arguments& common);
+  /// Runs one stage over its part of the queue.
+  void run_stage(std::size_t stage, std::uint32_t first, std::uint32_t items, Round round, const Arguments& common);
   /// Traces `rays` rays of the queue's run in packets.
   void run_packets(const char* kernel, std::uint32_t rays, const Arguments& run);
   /// Are shadow rays, too, traced in packets?
   [[nodiscard]] bool packs_shadows() const;
+  /// The rounds in which packets are traced: those of camera rays and of the first surfaces' shadow rays. By round, so
+  /// that it does not depend on the other paths of the wave.
+  [[nodiscard]] std::uint32_t rounds_of_packets(std::uint32_t lights) const;
   /// Do the paths left walk to their end in one go? Not before rays that go in packets or are worth sorting are traced.
-  [[nodiscard]] bool is_tail(std::uint32_t live, int round, std::uint32_t lights) const;
+  [[nodiscard]] bool is_tail(std::uint32_t live, Round round) const;
   /// Walks the paths left in the queue to their end.
   RayCounts finish_paths(std::uint32_t live, const Arguments& common);
 

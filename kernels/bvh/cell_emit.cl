@@ -187,14 +187,14 @@ kernel void bvh_copy_records(global const uint2* restrict records, const uint co
   }
 }
 
-// Fills the blocks of one level's leaves with geometry; unused lanes hold a point, which no ray meets. Launch: G items.
+// Fills the blocks of one level's leaves with geometry; unused lanes hold NaN, which no ray meets. Launch: G items.
 kernel void bvh_fill_leaves(global const float* restrict positions, global const uint4* restrict triangles,
                             global const Sphere* restrict spheres, const uint triangle_count,
                             global const ulong* restrict keys, const uint index_bits,
                             global const uint4* restrict leaves, const uint leaf_count,
                             global const uint* restrict leaf_references, global float* restrict accel_blocks) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
-  const Primitive none = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f)};
+  const Primitive none = {(float4)(NAN), (float4)(NAN), (float4)(NAN)};
   const uint end = chunk_begin(leaf_count, g + 1, groups);
   for (uint l = chunk_begin(leaf_count, g, groups); l < end; l++) {
     const uint4 leaf = leaves[l];

@@ -28,10 +28,10 @@ static inline void list_primitives(global const BinaryNode* binary, int referenc
   for (uint i = 0; i < size; i++) primitives[i] = ~primitives[i];
 }
 
-// The primitives into the blocks from number `to` on; unused lanes hold a point, which no ray meets.
+// The primitives into the blocks from number `to` on; unused lanes hold NaN, which no ray meets.
 static inline void write_leaf(const Geometry* geometry, const int* primitives, uint size, const BlockArrays* blocks,
                               uint to) {
-  const Primitive none = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f)};
+  const Primitive none = {(float4)(NAN), (float4)(NAN), (float4)(NAN)};
   for (uint first = 0; first < size; first += HR_L) {
     global float* block = written_block(blocks, to++);
     for (uint lane = 0; lane < HR_L; lane++) {

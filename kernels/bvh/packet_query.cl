@@ -19,7 +19,8 @@ static inline bool load_packet(global const QueryRay* rays, uint first, uint cou
     if (!same_point(ray, head)) return false;
     put_ray(p, i, (real3)(ray.direction.x, ray.direction.y, ray.direction.z), ray.direction.w, HR_NO_PRIMITIVE);
   }
-  return close_packet(p);
+  close_packet(p);
+  return true;
 }
 
 // hits[i] = closest hit of rays[i]. Launch: one item a packet.

@@ -70,9 +70,20 @@ static inline bool intersect_box(const Ray* ray, real3 lo, real3 hi, real t_far,
   return *t_near <= min(min(t_out.x, t_out.y), min(t_out.z, t_far)) * HR_SLAB_PAD;
 }
 
+// Twice the area of the triangle (0, p, q) in the sheared plane: its sign is exact unless it lies below 2^-48 of the
+// products (or these below the normal range) and is zero then. The products' rounding errors by fma (Dekker 1971).
+static inline real exact_edge_function(real px, real py, real qx, real qy) {
+#pragma OPENCL FP_CONTRACT OFF
+  const real a = px * qy, b = py * qx;
+  return (a - b) + (fma(px, qy, -a) - fma(py, qx, -b));
+}
+
 // Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". Products are rounded alike on both sides of a
-// shared edge, so an edge function's sign is right or zero, and zero counts as inside: no ray slips between neighbours.
-// The scalar twin of block_candidates() in leaf_block.h, operation for operation.
+// shared edge, so an edge function's sign is right or zero: no ray slips between neighbours. A zero is then found
+// exactly: counted as inside at once, it would let small triangles be met by rays that pass far from them, where the
+// rounding of products is larger than their area. So a hit is one of the sheared vertices as rounded, which lie within
+// some ulps of |vertex - origin| of where they should. The scalar twin of block_candidates() in leaf_block.h, operation
+// for operation.
 static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c, real* t, real* u, real* v) {
 #pragma OPENCL FP_CONTRACT OFF
   const real az = pick(a, ray->kz) - ray->shear_origin.z;
@@ -84,12 +95,18 @@ static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c,
   const real by = fma(-ray->sy, bz, pick(b, ray->ky) - ray->shear_origin.y);
   const real cx = fma(-ray->sx, cz, pick(c, ray->kx) - ray->shear_origin.x);
   const real cy = fma(-ray->sy, cz, pick(c, ray->ky) - ray->shear_origin.y);
-  const real wa = cx * by - cy * bx;
-  const real wb = ax * cy - ay * cx;
-  const real wc = bx * ay - by * ax;
-  const bool inside = min(min(wa, wb), wc) >= 0 || max(max(wa, wb), wc) <= 0;
+  real wa = cx * by - cy * bx;
+  real wb = ax * cy - ay * cx;
+  real wc = bx * ay - by * ax;
+  if (!(min(min(wa, wb), wc) >= 0 || max(max(wa, wb), wc) <= 0)) return false;
+  if (wa * wb * wc == 0) {
+    wa = exact_edge_function(cx, cy, bx, by);
+    wb = exact_edge_function(ax, ay, cx, cy);
+    wc = exact_edge_function(bx, by, ax, ay);
+    if (!(min(min(wa, wb), wc) >= 0 || max(max(wa, wb), wc) <= 0)) return false;
+  }
   const real det = wa + wb + wc;
-  if (!inside || det == 0) return false;
+  if (det == 0) return false;
   const real inverse_det = 1 / det;
   *t = ray->sz * fma(wa, az, fma(wb, bz, wc * cz)) * inverse_det;
   *u = wb * inverse_det;

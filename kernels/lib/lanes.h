@@ -58,6 +58,16 @@ static inline int8 upper_lanes(int16 a) { return ((const int8*)&a)[1]; }
 
 static inline bool any_lane16(int16 m) { return lanes_of8(m.lo | upper_lanes(m)) != 0; }
 
+// A hint that a condition is seldom true.
+#if defined(__has_builtin) && !defined(__SPIR__) && !defined(__SPIRV__)
+#if __has_builtin(__builtin_expect)
+#define HR_UNLIKELY(condition) (__builtin_expect((condition) ? 1 : 0, 0) != 0)
+#endif
+#endif
+#ifndef HR_UNLIKELY
+#define HR_UNLIKELY(condition) (condition)
+#endif
+
 // A hint that memory at p will be read soon. SPIR-V has no word for the builtin.
 #if defined(__has_builtin) && !defined(__SPIR__) && !defined(__SPIRV__)
 #if __has_builtin(__builtin_prefetch)

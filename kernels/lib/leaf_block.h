@@ -68,12 +68,13 @@ static inline bool intersect_lane(BlockNumbers numbers, global const float* bloc
 #define HR_ROW(r) (*(global const HR_FLOATL*)(block + (r)*HR_L))
 #define HR_FLIP(v) HR_AS_FLOATL(HR_AS_INTL(v) ^ sign)
 
-// What the lanes' hits are, before division: t = t_det / det and so on, det > 0.
+// What the lanes' hits are, before division: t = t_det / det and so on.
 typedef struct BlockHits {
   HR_FLOATL t_det, u_det, v_det, det;
 } BlockHits;
 
-// The triangles of a block that the ray may meet before t_far; what rounding leaves open is let through.
+// The triangles of a block that the ray may meet before t_far; what rounding of t leaves open is let through, and in
+// watertight form what lies on an edge for all that rounding tells, or has no area: see is_doubtful().
 static inline LaneSet block_candidates(BlockNumbers numbers, global const float* block, const Ray* ray, real t_far,
                                        BlockHits* hits) {
 #if HR_TRIANGLE_WATERTIGHT
@@ -98,6 +99,8 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
   hits->u_det = HR_FLIP(wb);
   hits->v_det = HR_FLIP(wc);
   HR_INTL met = (min(min(wa, wb), wc) >= 0.0f) | (max(max(wa, wb), wc) <= 0.0f);
+  const real far = min(t_far * HR_SLAB_PAD, FLT_MAX);  // finite, so that 0 <= 0 * far where all edge functions are 0
+  met &= (hits->t_det >= 0.0f) & (hits->t_det <= hits->det * far);
 #else
   const HR_FLOATL ox = HR_ROW(0) - ray->origin.x, oy = HR_ROW(1) - ray->origin.y, oz = HR_ROW(2) - ray->origin.z;
   const HR_FLOATL e1x = HR_ROW(3), e1y = HR_ROW(4), e1z = HR_ROW(5);
@@ -112,13 +115,27 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
   hits->u_det = HR_FLIP(rx * e2x + ry * e2y + rz * e2z);
   hits->v_det = HR_FLIP(rx * e1x + ry * e1y + rz * e1z);
   HR_INTL met = (hits->u_det >= 0.0f) & (hits->v_det >= 0.0f) & (hits->u_det + hits->v_det <= hits->det);
-#endif
   met &= (hits->t_det > 0.0f) & (hits->t_det <= hits->det * (t_far * HR_SLAB_PAD)) & (hits->det > 0.0f);
+#endif
   if (HR_HAS(SPHERES)) {
     const HR_INTL primitive = *(global const HR_INTL*)(block + HR_BLOCK_PRIMITIVE_ROW * HR_L);
     met &= primitive < (HR_INTL)((int)numbers.triangles);
   }
   return HR_LANES_OF_L(met);
+}
+
+// u + v of a hit that is surely off the third edge: of one on it, 1 less than 8 roundings.
+#define HR_SURELY_INSIDE 0.999999f
+
+// Which candidates intersect_lane() has to look at, since an edge function may be 0. Rarely any.
+static inline bool is_doubtful(real u, real v) {
+  return HR_TRIANGLE_WATERTIGHT && !(u > 0 && v > 0 && u + v < HR_SURELY_INSIDE);
+}
+
+static inline LaneSet doubtful_lanes(const BlockHits* hits) {
+  if (!HR_TRIANGLE_WATERTIGHT) return 0;
+  return HR_LANES_OF_L(
+      ~((hits->u_det > 0.0f) & (hits->v_det > 0.0f) & (hits->u_det + hits->v_det < hits->det * HR_SURELY_INSIDE)));
 }
 
 // Lanes that hold spheres. HR_NO_PRIMITIVE is negative here.
@@ -140,7 +157,10 @@ static inline void intersect_block_closest(BlockNumbers numbers, global const fl
     do {
       const uint lane = first_lane(lanes);
       lanes = without_first(lanes);
-      const Hit candidate = {t[lane], u[lane], v[lane], numbers.first + block_primitive(block, lane)};
+      Hit candidate = {t[lane], u[lane], v[lane], numbers.first + block_primitive(block, lane)};
+      if (HR_UNLIKELY(is_doubtful(candidate.u, candidate.v))) {
+        if (!intersect_lane(numbers, block, lane, ray, &candidate)) continue;
+      }
       const bool counts = candidate.t > ray->t_min && is_closer(&candidate, best);
       if (counts && !is_skipped(skip, candidate.primitive)) *best = candidate;
     } while (lanes);
@@ -163,9 +183,15 @@ static inline bool intersect_block_any(BlockNumbers numbers, global const float*
   if (lanes) {
     float t[HR_L];
     HR_STORE(HR_L, hits.t_det * (1.0f / hits.det), t);
+    const LaneSet doubtful = doubtful_lanes(&hits);
     do {
       const uint lane = first_lane(lanes);
       lanes = without_first(lanes);
+      if (HR_UNLIKELY((doubtful & lane_bit(lane)) != 0)) {
+        Hit exact;
+        if (!intersect_lane(numbers, block, lane, ray, &exact)) continue;
+        t[lane] = exact.t;
+      }
       if (t[lane] > ray->t_min && t[lane] < ray->t_max &&
           !is_skipped(skip, numbers.first + block_primitive(block, lane))) {
         return true;

@@ -78,33 +78,58 @@ static inline bool take_hits(Packet* p, uint k, int16 met, float16 t, float16 u,
 
 #if HR_TRIANGLE_WATERTIGHT
 
-// As block_candidates() in leaf_block.h, but one triangle against 16 rays: per ray the same edge functions, so the same
-// guarantee.
-static inline bool intersect_packet_triangle(Packet* p, global const float* block, uint lane, int primitive) {
+static inline int16 all_of_one_sign(float16 a, float16 b, float16 c) {
+  return (min(min(a, b), c) >= 0.0f) | (max(max(a, b), c) <= 0.0f);
+}
+
+// exact_edge_function() of intersect.h.
+static inline float16 exact_edge_function16(float16 px, float16 py, float16 qx, float16 qy) {
 #pragma OPENCL FP_CONTRACT OFF
-  const real3 o = p->origin;
-  const float okx = pick(o, (int)p->kx), oky = pick(o, (int)p->ky), okz = pick(o, (int)p->kz);
-  global const float* row = block + lane;
-  const float ax0 = row[p->kx * HR_L] - okx, ay0 = row[p->ky * HR_L] - oky, az = row[p->kz * HR_L] - okz;
-  const float bx0 = row[(3 + p->kx) * HR_L] - okx, by0 = row[(3 + p->ky) * HR_L] - oky;
-  const float bz = row[(3 + p->kz) * HR_L] - okz;
-  const float cx0 = row[(6 + p->kx) * HR_L] - okx, cy0 = row[(6 + p->ky) * HR_L] - oky;
-  const float cz = row[(6 + p->kz) * HR_L] - okz;
+  const float16 a = px * qy, b = py * qx;
+  return (a - b) + (fma(px, qy, -a) - fma(py, qx, -b));
+}
+
+// intersect_triangle() of intersect.h, operation for operation, but one triangle against those of 16 rays whose axis of
+// shear is kz.
+static inline bool intersect_triangle_along(Packet* p, global const float* row, int kz, int primitive) {
+#pragma OPENCL FP_CONTRACT OFF
+  const int kx = kz == 2 ? 0 : kz + 1, ky = kx == 2 ? 0 : kx + 1;
+  const float okx = pick(p->origin, kx), oky = pick(p->origin, ky), okz = pick(p->origin, kz);
+  const float ax0 = row[kx * HR_L] - okx, ay0 = row[ky * HR_L] - oky, az = row[kz * HR_L] - okz;
+  const float bx0 = row[(3 + kx) * HR_L] - okx, by0 = row[(3 + ky) * HR_L] - oky, bz = row[(3 + kz) * HR_L] - okz;
+  const float cx0 = row[(6 + kx) * HR_L] - okx, cy0 = row[(6 + ky) * HR_L] - oky, cz = row[(6 + kz) * HR_L] - okz;
   bool any = false;
   for (uint k = 0; k < HR_K; k++) {
+    if (!(p->axes[k] >> kz & 1u)) continue;
     const float16 sx = p->sx[k], sy = p->sy[k];
     const float16 ax = fma(sx, (float16)(az), (float16)(ax0)), ay = fma(sy, (float16)(az), (float16)(ay0));
     const float16 bx = fma(sx, (float16)(bz), (float16)(bx0)), by = fma(sy, (float16)(bz), (float16)(by0));
     const float16 cx = fma(sx, (float16)(cz), (float16)(cx0)), cy = fma(sy, (float16)(cz), (float16)(cy0));
-    const float16 wa = cx * by - cy * bx;
-    const float16 wb = ax * cy - ay * cx;
-    const float16 wc = bx * ay - by * ax;
-    const int16 met = (min(min(wa, wb), wc) >= 0.0f) | (max(max(wa, wb), wc) <= 0.0f);
+    float16 wa = cx * by - cy * bx;
+    float16 wb = ax * cy - ay * cx;
+    float16 wc = bx * ay - by * ax;
+    int16 met = all_of_one_sign(wa, wb, wc);
     if (!any_lane16(met)) continue;
+    met &= p->axis[k] == kz;
+    const int16 doubtful = met & (wa * wb * wc == 0.0f);
+    if (any_lane16(doubtful)) {
+      wa = select(wa, exact_edge_function16(cx, cy, bx, by), doubtful);
+      wb = select(wb, exact_edge_function16(ax, ay, cx, cy), doubtful);
+      wc = select(wc, exact_edge_function16(bx, by, ax, ay), doubtful);
+      met &= all_of_one_sign(wa, wb, wc);
+    }
     const float16 det = wa + wb + wc;
     const float16 inverse_det = 1.0f / det;
     const float16 t = p->sz[k] * fma(wa, (float16)(az), fma(wb, (float16)(bz), wc * cz)) * inverse_det;
     any |= take_hits(p, k, met & (det != 0.0f), t, wb * inverse_det, wc * inverse_det, primitive);
+  }
+  return any;
+}
+
+static inline bool intersect_packet_triangle(Packet* p, global const float* block, uint lane, int primitive) {
+  bool any = false;
+  for (int kz = 0; kz < 3; kz++) {
+    if (p->all_axes >> kz & 1u) any |= intersect_triangle_along(p, block + lane, kz, primitive);
   }
   return any;
 }

@@ -14,9 +14,6 @@
 #define HR_K HR_PACKET_GROUPS
 #define HR_PACKET_RAYS (16 * HR_K)
 
-// A steeper shear than this would cost digits; a single ray's is at most 1.
-#define HR_MOST_PACKET_SHEAR 2
-
 typedef struct Packet {
   float16 dx[HR_K], dy[HR_K], dz[HR_K];  // directions
   float16 rx[HR_K], ry[HR_K], rz[HR_K];  // their reciprocals
@@ -25,8 +22,9 @@ typedef struct Packet {
   int16 skip[HR_K];                      // the primitive that a ray does not meet, or HR_NO_PRIMITIVE
   uint members[HR_K];                    // a bit a lane in use
 #if HR_TRIANGLE_WATERTIGHT
-  float16 sx[HR_K], sy[HR_K], sz[HR_K];  // shear along the common axis kz
-  uint kx, ky, kz;
+  float16 sx[HR_K], sy[HR_K], sz[HR_K];  // shear, each ray's along the axis that is longest for it, as in make_ray()
+  int16 axis[HR_K];                      // that axis
+  uint axes[HR_K], all_axes;             // a bit an axis that is some ray's
 #endif
   real3 origin;
   float t_min, t_most;      // t_most: largest t of all rays
@@ -81,8 +79,34 @@ static inline float16 safe_reciprocal16(float16 d) {
   return 1.0f / select(d, copysign(tiny, d), fabs(d) < tiny);
 }
 
-// What all rays share, once they are in; false if their directions lie too far apart to go together.
-static inline bool close_packet(Packet* p) {
+#if HR_TRIANGLE_WATERTIGHT
+
+static inline float16 pick16(float16 x, float16 y, float16 z, int16 axis) {
+  return select(select(x, y, axis == 1), z, axis == 2);
+}
+
+// The rays' own axes, so that what a ray meets does not depend on the others in its packet. kx, ky follow kz in order:
+// where make_ray() swaps them, only the sign of all edge functions changes.
+static inline void shear_packet(Packet* p) {
+  p->all_axes = 0;
+  for (uint k = 0; k < HR_K; k++) {
+    const float16 dx = p->dx[k], dy = p->dy[k], dz = p->dz[k];
+    const float16 x = fabs(dx), y = fabs(dy), z = fabs(dz);
+    const int16 is_x = (x > y) & (x > z), is_y = ~(x > y) & (y > z);
+    const int16 axis = select(select((int16)(2), (int16)(1), is_y), (int16)(0), is_x);
+    p->axis[k] = axis;
+    p->axes[k] = (any_lane16(is_x) ? 1u : 0u) | (any_lane16(is_y) ? 2u : 0u) | (any_lane16(axis == 2) ? 4u : 0u);
+    p->all_axes |= p->axes[k];
+    p->sz[k] = pick16(p->rx[k], p->ry[k], p->rz[k], axis);
+    p->sx[k] = -(pick16(dy, dz, dx, axis) * p->sz[k]);
+    p->sy[k] = -(pick16(dz, dx, dy, axis) * p->sz[k]);
+  }
+}
+
+#endif
+
+// What all rays share, once they are in.
+static inline void close_packet(Packet* p) {
   float16 lo_x = p->dx[0], lo_y = p->dy[0], lo_z = p->dz[0], hi_x = lo_x, hi_y = lo_y, hi_z = lo_z;
   for (uint k = 0; k < HR_K; k++) {
     lo_x = min(lo_x, p->dx[k]);
@@ -102,22 +126,8 @@ static inline bool close_packet(Packet* p) {
   p->most[1] = most_of16(hi_y);
   p->most[2] = most_of16(hi_z);
 #if HR_TRIANGLE_WATERTIGHT
-  // One shear axis for all: the one along which every direction is longest against the others.
-  float reach[3];
-  for (uint i = 0; i < 3; i++) reach[i] = p->least[i] > 0 ? p->least[i] : (p->most[i] < 0 ? -p->most[i] : 0.0f);
-  p->kz = reach[0] > reach[1] ? (reach[0] > reach[2] ? 0 : 2) : (reach[1] > reach[2] ? 1 : 2);
-  p->kx = p->kz == 2 ? 0 : p->kz + 1;
-  p->ky = p->kx == 2 ? 0 : p->kx + 1;
-  const float side = max(max(-p->least[p->kx], p->most[p->kx]), max(-p->least[p->ky], p->most[p->ky]));
-  if (!(reach[p->kz] > 0) || side > HR_MOST_PACKET_SHEAR * reach[p->kz]) return false;
-  for (uint k = 0; k < HR_K; k++) {
-    const float16 d[3] = {p->dx[k], p->dy[k], p->dz[k]};
-    p->sz[k] = 1.0f / d[p->kz];
-    p->sx[k] = -(d[p->kx] * p->sz[k]);
-    p->sy[k] = -(d[p->ky] * p->sz[k]);
-  }
+  shear_packet(p);
 #endif
-  return true;
 }
 
 #endif

@@ -35,11 +35,11 @@ kernel void path_intersect_closest_packets(HR_PACKET_PARAMETERS) {
       put_ray(&packet, i, xyz(path_ray_direction[slot]), INFINITY, HR_NO_PRIMITIVE);
     }
   }
-  const bool together = close_packet(&packet);
-  if (together) traverse_packet(&context.view, &packet, false);
+  close_packet(&packet);
+  traverse_packet(&context.view, &packet, false);
   for (uint i = 0; i < rays; i++) {
     const uint slot = queue[begin + i];
-    if (together && is_in_packet(&packet, i)) {
+    if (is_in_packet(&packet, i)) {
       const Hit hit = packet_hit(&packet, i);
       path_hit[slot] = (real4)(hit.t, hit.u, hit.v, 0);
       path_hit_primitive[slot] = hit.primitive;
@@ -60,32 +60,43 @@ static inline bool is_near(real3 position, real distance) {
   return distance <= HR_FAR_LIGHT * (fabs(position.x) + fabs(position.y) + fabs(position.z));
 }
 
-// Answers what shadow rays it can: a free one is left with length 0, a blocked one with -1, for path_intersect_shadow
-// to go on from. Launch: as path_intersect_closest_packets.
+// The first light after `light` that rays of this run go to, counted from 1; 0 if there is none.
+static inline uint next_light(global const real4* shadow_direction, global const uint* queue, uint rays, uint light) {
+  uint next = 0;
+  for (uint i = 0; i < rays; i++) {
+    const uint of_ray = (uint)shadow_direction[queue[i]].w;
+    if (of_ray > light && (next == 0 || of_ray < next)) next = of_ray;
+  }
+  return next;
+}
+
+// Answers what shadow rays it can, light by light: a free one is left with length 0, a blocked one with -1, for
+// path_intersect_shadow to go on from. Which ones does not depend on the packet that a ray is in. Launch: as
+// path_intersect_closest_packets.
 kernel void path_answer_shadow_packets(HR_PACKET_PARAMETERS) {
   const uint begin = first + (uint)get_global_id(0) * HR_PACKET_RAYS;
   if (begin >= first + count) return;
   const uint rays = min(first + count - begin, (uint)HR_PACKET_RAYS);
   HR_MAKE_SCENE_VIEW(params)
-  uint head = 0;  // the first that has a point to go to
-  while (head + 1 < rays && path_shadow_direction[queue[begin + head]].w == 0) head++;
-  const real light = path_shadow_direction[queue[begin + head]].w;
-  if (light == 0) return;
-  const real3 origin = param3(view.lights[(uint)light - 1].position);
-  Packet packet;
-  open_packet(&packet, origin, HR_SHADOW_RAY_MARGIN, xyz(path_shadow_origin[queue[begin + head]]) - origin);
-  for (uint i = 0; i < rays; i++) {
-    const uint slot = queue[begin + i];
-    const real4 to = path_shadow_origin[slot];
-    if (path_shadow_direction[slot].w == light && is_near(xyz(to), to.w)) {
+  for (uint light = 0; (light = next_light(path_shadow_direction, queue + begin, rays, light)) != 0;) {
+    const real3 origin = param3(view.lights[light - 1].position);
+    Packet packet;
+    bool opened = false;
+    for (uint i = 0; i < rays; i++) {
+      const uint slot = queue[begin + i];
+      const real4 to = path_shadow_origin[slot];
+      if ((uint)path_shadow_direction[slot].w != light || !is_near(xyz(to), to.w)) continue;
+      if (!opened) open_packet(&packet, origin, HR_SHADOW_RAY_MARGIN, xyz(to) - origin);
+      opened = true;
       put_ray(&packet, i, xyz(to) - origin, 1 - HR_UNSEEN_END, path_surface[slot].z);
     }
-  }
-  if (!close_packet(&packet)) return;
-  traverse_packet(&view, &packet, true);
-  for (uint i = 0; i < rays; i++) {
-    const bool blocked = packet_hit(&packet, i).primitive != HR_NO_PRIMITIVE;
-    if (is_in_packet(&packet, i)) path_shadow_origin[queue[begin + i]].w = blocked ? -1 : 0;
+    if (!opened) continue;
+    close_packet(&packet);
+    traverse_packet(&view, &packet, true);
+    for (uint i = 0; i < rays; i++) {
+      const bool blocked = packet_hit(&packet, i).primitive != HR_NO_PRIMITIVE;
+      if (is_in_packet(&packet, i)) path_shadow_origin[queue[begin + i]].w = blocked ? -1 : 0;
+    }
   }
 }
 

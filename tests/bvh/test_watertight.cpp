@@ -1,6 +1,7 @@
 // Watertightness: no ray leaves a closed mesh between two of its triangles, or between two boxes.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -123,6 +124,32 @@ TEST_CASE("a ray from very far out, nearly across an axis, meets what it is aime
         CHECK(hits[i].primitive == i / 8 * 2 + i % 2);
       }
     }
+  }
+}
+
+// Where products of coordinates are rounded by more than a triangle's area, edge functions are 0 by chance.
+TEST_CASE("a tiny triangle is not met by rays that pass far from it") {
+  test::TreeWorkshop workshop;
+  Places places(25);
+  FlatScene flat = test::empty_flat_scene();
+  std::vector<Vec3> at;
+  for (int i = 0; i < 8; i++) {  // in one leaf, whose box hides none of them
+    at.push_back(places.in_cube(1.0F));
+    const auto corner = [&] { return at.back() + 1e-6F * places.direction(); };
+    test::add_triangle(flat, corner(), corner(), corner());
+  }
+  Rays rays;
+  while (rays.size() < 50000) {
+    const Vec3 origin = 2.0F * places.direction(), direction = places.direction();
+    const auto is_far = [&](Vec3 p) { return glm::length(glm::cross(p - origin, direction)) > 1e-2F; };
+    if (std::all_of(at.begin(), at.end(), is_far)) rays.push_back(make_ray(origin, direction));
+  }
+  for (const auto& [options, strict] : watertight_trees()) {
+    QueryBench bench(workshop, flat, options, strict);
+    INFO(options.width << " wide, " << options.leaf_lanes << " lanes" << (strict ? ", strict" : ""));
+    CHECK(test::count_found(bench.queries.intersect(rays)) == 0);
+    CHECK(test::count_found(bench.brute_force(rays)) == 0);
+    for (const std::uint32_t met : bench.queries.occluded(rays)) REQUIRE(met == 0);
   }
 }
 

@@ -280,8 +280,10 @@ class TreeCheck {
 
   // An unused lane holds a point, which no ray meets.
   [[nodiscard]] bool is_unused(std::uint32_t block, unsigned lane) const {
-    return point(block, 0, lane) == Vec3(0.0F) && point(block, 3, lane) == Vec3(0.0F) &&
-           point(block, 6, lane) == Vec3(0.0F);
+    for (unsigned r = 0; r < HR_BLOCK_PRIMITIVE_ROW; r++) {
+      if (!std::isnan(blocks_[row(block, r, lane)])) return false;
+    }
+    return true;
   }
 
   // Does the lane hold the geometry of the primitive it names?

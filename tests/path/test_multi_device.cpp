@@ -95,13 +95,13 @@ struct BothWork {
   }
 };
 
-void check_two_devices_give_the_bits_of_one(const std::string& name, EngineKind engine, bool strict) {
-  INFO(name << (engine == EngineKind::wavefront ? ", wavefront" : ", megakernel") << (strict ? ", strict" : ""));
-  RenderOptions options = small_options(engine, strict);
-  const Image expected = on_one_device(scene_named(name), options);
+void check_two_devices_give_the_bits_of_one(const Scene& scene, RenderOptions options) {
+  INFO((options.engine == EngineKind::wavefront ? "wavefront" : "megakernel")
+       << (options.strict ? ", strict" : "") << (options.rays == RayGrouping::packets ? ", packets" : ""));
+  const Image expected = on_one_device(scene, options);
   BothWork both;
   options.before_tile = [&both](std::size_t device, const Tile&) { both(device); };
-  const RenderResult result = render_on_devices(two_devices(), scene_named(name), options);
+  const RenderResult result = render_on_devices(two_devices(), scene, options);
   check_same_bits(result.image, expected);
   CHECK(result.statistics.passes == kSamples);
   REQUIRE(result.statistics.devices.size() == 2);
@@ -120,15 +120,35 @@ void check_two_devices_give_the_bits_of_one(const std::string& name, EngineKind 
 
 TEST_CASE("two devices give the bits of one: an area light") {
   for (const bool strict : {false, true}) {
-    check_two_devices_give_the_bits_of_one("cornell_box.json", EngineKind::wavefront, strict);
-    check_two_devices_give_the_bits_of_one("cornell_box.json", EngineKind::megakernel, strict);
+    check_two_devices_give_the_bits_of_one(scene_named("cornell_box.json"),
+                                           small_options(EngineKind::wavefront, strict));
+    check_two_devices_give_the_bits_of_one(scene_named("cornell_box.json"),
+                                           small_options(EngineKind::megakernel, strict));
   }
 }
 
 TEST_CASE("two devices give the bits of one: mirrors, glass and textures") {
   for (const bool strict : {false, true}) {
-    check_two_devices_give_the_bits_of_one("glass_and_mirror.json", EngineKind::wavefront, strict);
-    check_two_devices_give_the_bits_of_one("glass_and_mirror.json", EngineKind::megakernel, strict);
+    check_two_devices_give_the_bits_of_one(scene_named("glass_and_mirror.json"),
+                                           small_options(EngineKind::wavefront, strict));
+    check_two_devices_give_the_bits_of_one(scene_named("glass_and_mirror.json"),
+                                           small_options(EngineKind::megakernel, strict));
+  }
+}
+
+// One device traces whole passes, two trace tiles: other rays share a packet.
+TEST_CASE("two devices give the bits of one: rays in packets") {
+  RenderOptions options = small_options(EngineKind::wavefront);
+  options.rays = RayGrouping::packets;
+  for (const char* name : {"cornell_box.json", "phong_source.json", "obj_scene.json"}) {
+    INFO(name);
+    Scene scene = scene_named(name);
+    scene.camera.fov_y_deg = 140.0;  // rays of one packet go along several axes, within the room
+    scene.camera.to_world[3] = glm::dvec4(0.27, 0.27, name == std::string("cornell_box.json") ? 0.1 : 0.9, 1.0);
+    for (const TriangleTest test : {TriangleTest::watertight, TriangleTest::fast}) {
+      options.accel.triangle_test = test;
+      check_two_devices_give_the_bits_of_one(scene, options);
+    }
   }
 }
 

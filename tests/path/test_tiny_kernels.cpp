@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host/bvh/nearest_queries.hpp"
 #include "host/bvh/ray_queries.hpp"
 #include "host/bvh/visit_counts.hpp"
 #include "host/path/render.hpp"
@@ -235,6 +236,31 @@ TEST_CASE("tiny: instances of two meshes answer rays as their copies do") {
   check_rays(copies, queries, rays_through(1));  // without other primitives the indices are the same
   accel.refit(device_scene);
   check_rays(copies, queries, rays_through(2));
+}
+
+TEST_CASE("tiny: nearest neighbours") {
+  const FlatScene flat = test::soup(6, 2, 0.8F, 3);
+  TinyTree tree(flat, two_wide());
+  NearestQueries queries(tree.context, tree.scene, *tree.accel);
+  test::Places places(7);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 9; i++) points.push_back(places.in_cube(1.0F));
+  PointTree cloud(tree.context, tree.builder, points, two_wide());
+  for (int i = 0; i < 3; i++) {
+    const Vec3 from = places.in_cube(1.5F);
+    const std::vector<QueryPoint> query = {{from.x, from.y, from.z, std::numeric_limits<float>::infinity()}};
+    const shared::float4 closest = queries.closest(query).points[0];
+    CHECK(closest.w == Approx(glm::distance(from, Vec3(closest.x, closest.y, closest.z))));
+    for (std::size_t v = 0; v < flat.positions.size(); v += 3) {
+      const Vec3 vertex(flat.positions[v], flat.positions[v + 1], flat.positions[v + 2]);
+      CHECK(closest.w <= 1.0001F * glm::distance(from, vertex));
+    }
+    std::vector<float> distances;
+    for (const Vec3& point : points) distances.push_back(glm::distance(from, point));
+    std::sort(distances.begin(), distances.end());
+    const Neighbours found = cloud.nearest(query, 4);
+    for (std::size_t k = 0; k < 4; k++) CHECK(found.distances[k] == Approx(distances[k]));
+  }
 }
 
 TEST_CASE("tiny: both engines render a room") {
