@@ -22,7 +22,7 @@ std::string compile_options(const DeviceInfo& device, const DeviceProfile& profi
   if (!options.defines.empty()) text += " " + options.defines;
   if (options.strict) {
     text += " -DHR_STRICT=1";
-    if (device.rounds_divide_correctly) text += " -cl-fp32-correctly-rounded-divide-sqrt";
+    if (device.rounds_divide_correctly) text += " -DHR_ROUNDS_DIVIDE=1 -cl-fp32-correctly-rounded-divide-sqrt";
   }
   return text;
 }

@@ -15,7 +15,7 @@ static inline float strict_log2(float x) {
     m = 0.5f * m;
     exponent += 1;
   }
-  const float s = (m - 1.0f) / (m + 1.0f);
+  const float s = divide(m - 1.0f, m + 1.0f);
   const float s2 = s * s;
   const float series = 1.0f + s2 * (1.0f / 3 + s2 * (1.0f / 5 + s2 * (1.0f / 7 + s2 * (1.0f / 9))));
   return (float)exponent + 2.88539008f * s * series;

@@ -78,7 +78,7 @@ static inline real3 perturb_normal(const SceneView* view, const TriangleGeometry
   const real3 t = along_u - n * dot3(n, along_u);
   const real t2 = dot3(t, t);
   if (!(t2 > 0)) return n;
-  const real3 tangent = t / sqrt(t2);
+  const real3 tangent = divide3(t, square_root(t2));
   const real3 side = cross3(n, tangent);
   const real3 bitangent = dot3(side, along_v) > 0 ? -side : side;
   const real3 m = sample_texture(view, texture, uv) * 2 - 1;
@@ -110,7 +110,7 @@ static inline void shade_material(const SceneView* view, uint index, real2 uv, b
     const real r = clamp(roughness, HR_MIN_ROUGHNESS, REAL(1.0));
     s->kd = base * (1 - metallic);
     s->ks = (real3)(HR_DIELECTRIC_F0) * (1 - metallic) + base * metallic;
-    s->shininess = clamp(2 / (r * r * r * r) - 2, REAL(0.0), HR_MAX_SHININESS);
+    s->shininess = clamp(divide(2, r * r * r * r) - 2, REAL(0.0), HR_MAX_SHININESS);
   }
   s->ka = (m.flags & HR_MATERIAL_OWN_AMBIENT) ? (real3)(m.ka.x, m.ka.y, m.ka.z) : s->kd;
 }
