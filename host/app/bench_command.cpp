@@ -17,8 +17,8 @@
 #include "host/base/error.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/read_file.hpp"
+#include "host/base/spelling.hpp"
 #include "host/bench/processor.hpp"
-#include "host/scene/spelling.hpp"
 
 namespace hemiray::app {
 namespace {

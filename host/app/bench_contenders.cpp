@@ -3,8 +3,8 @@
 #include <array>
 
 #include "host/base/error.hpp"
+#include "host/base/spelling.hpp"
 #include "host/bench/device_tracer.hpp"
-#include "host/scene/spelling.hpp"
 #ifdef HR_HAS_EMBREE
 #include "bench/peers/embree_peer.hpp"
 #endif

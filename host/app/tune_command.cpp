@@ -10,10 +10,10 @@
 #include "host/base/clock.hpp"
 #include "host/base/error.hpp"
 #include "host/base/progress.hpp"
+#include "host/base/spelling.hpp"
 #include "host/bench/ray_sets.hpp"
 #include "host/bench/tuning.hpp"
 #include "host/bvh/ray_queries.hpp"
-#include "host/scene/spelling.hpp"
 #include "shared/features.h"
 
 namespace hemiray::app {

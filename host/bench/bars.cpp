@@ -9,7 +9,7 @@
 #include <set>
 
 #include "host/base/error.hpp"
-#include "host/scene/json_text.hpp"
+#include "host/base/json_text.hpp"
 
 namespace hemiray::bench {
 namespace {
