@@ -97,6 +97,12 @@ std::vector<BenchTarget> choose_targets(const BenchArguments& given) {
     }
     targets.push_back({scene, 0});
   }
+  const auto is_file = [](const BenchTarget& target) { return target.triangles == 0; };
+  if (!given.triangles.empty() && std::all_of(targets.begin(), targets.end(), is_file)) {
+    throw InputError("--triangles",
+                     "only files are given, which have their own size; leave it out, or name a scene of " +
+                         fmt::format("{}", fmt::join(bench::procedural_scene_names(), ", ")));
+  }
   return targets;
 }
 

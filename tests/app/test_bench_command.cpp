@@ -109,7 +109,8 @@ TEST_CASE("bench measures a scene, verifies it, and writes JSON and CSV") {
 TEST_CASE("bench measures a file's triangles from its camera") {
   const TempFolder folder;
   const std::string scene = folder.write("scene.json", hemiray::test::kGlassScene).string();
-  const ProgramResult result = run_program(small({scene, "--json", (folder / "a.json").string()}));
+  const ProgramResult result =
+      run_program({"bench", scene, "--rounds", "2", "--resolution", "64", "--json", (folder / "a.json").string()});
   INFO(result.out << result.err);
   REQUIRE(result.exit_code == 0);
   const json report = read_json(folder / "a.json");
@@ -167,6 +168,7 @@ TEST_CASE("bench beside Embree gives a verdict a bar, and exit code 3 where one 
 TEST_CASE("bench refuses what it cannot measure before it measures, and writes nothing") {
   check_refused(small({"interiour"}), {"SCENE", "did you mean \"interior\""});
   check_refused(small({"nonesuch.glb"}), {"nonesuch.glb"});
+  check_refused(small({HR_SOURCE_DIR "/scenes/cornell_box.json"}), {"--triangles", "only files", "interior"});
   check_refused({"bench", "--triangles", "many"}, {"--triangles", "'many'"});
   check_refused({"bench", "--triangles", "9k"}, {"--triangles", "9k"});
   check_refused({"bench", "--triangles", "10k,30M"}, {"--triangles", "30M"});
