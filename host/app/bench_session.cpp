@@ -9,6 +9,7 @@
 #include "host/app/bench_engines.hpp"
 #include "host/base/build_info.hpp"
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
 #include "host/base/progress.hpp"
 #include "host/bench/processor.hpp"
 #include "host/bench/ray_sets.hpp"
@@ -41,8 +42,8 @@ bench::BenchScene file_scene(const std::string& file, std::vector<std::string>& 
   FlatScene& flat = measured.flat;
   if (flat.triangles.empty()) throw InputError(file, "has no triangles, which is what the benchmark measures");
   if (!flat.spheres.empty() || !flat.planes.empty()) {
-    notes.push_back(fmt::format("{}: measured without its {} spheres and {} planes", file, flat.spheres.size(),
-                                flat.planes.size()));
+    notes.push_back(fmt::format("{}: measured without its {} and {}", file, format_count(flat.spheres.size(), "sphere"),
+                                format_count(flat.planes.size(), "plane")));
     flat.spheres.clear();
     flat.planes.clear();
   }

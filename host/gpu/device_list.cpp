@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
 #include "host/gpu/cl_error.hpp"
 
 namespace hemiray {
@@ -72,8 +73,8 @@ std::vector<DeviceInfo> split_device(const DeviceInfo& device, int parts, const 
   if (parts == 1) return {device};
   const auto units = static_cast<int>(device.compute_units);
   if (parts > units) {
-    throw InputError(place, fmt::format("device {} {} has {} compute units: it cannot be split into {}", device.index,
-                                        device.name, units, parts));
+    throw InputError(place, fmt::format("device {} {} has {}: it cannot be split into {}", device.index, device.name,
+                                        format_count(device.compute_units, "compute unit"), parts));
   }
   std::vector<cl_device_partition_property> properties{CL_DEVICE_PARTITION_EQUALLY, units / parts, 0};
   if (units % parts != 0) {

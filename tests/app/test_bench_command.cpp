@@ -116,7 +116,7 @@ TEST_CASE("bench measures a file's triangles from its camera") {
   const json report = read_json(folder / "a.json");
   CHECK(report["scenes"][0]["wanted_triangles"].is_null());
   CHECK(report["scenes"][0]["triangles"].get<int>() >= 4);
-  CHECK_THAT(result.out, Catch::Contains("without its 1 spheres"));
+  CHECK_THAT(result.out, Catch::Contains("without its 1 sphere and 0 planes"));
 }
 
 TEST_CASE("bench counts leaks, and the watertight test has none") {

@@ -215,6 +215,7 @@ TEST_CASE("render prints a table, on --quiet nothing, and no progress bar into a
                            "path_shade_surface", "launches", "Mrays/s", "peak memory"}) {
     CHECK_THAT(table.out, Catch::Contains(word));
   }
+  CHECK_THAT(table.out, Catch::Contains(", 1 node, ") && Catch::Contains("7 primitives, 0 planes, 1 light, "));
   const ProgramResult quiet = renders.run(renders.glass, "a.exr", {"--spp", "1", "--quiet"});
   CHECK(quiet.out.empty());
 
