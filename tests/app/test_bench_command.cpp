@@ -37,11 +37,12 @@ bool has_peers() {
   return run_program(small({"interior", "--peers", "--device", "nonesuch"})).err.find("libembree") == std::string::npos;
 }
 
-void check_refused(const Words& arguments, const Words& parts) {
+void check_refused(const Words& arguments, const Words& parts,
+                   const std::map<std::string, std::string>& environment = {}) {
   const TempFolder folder;
   Words words = arguments;
   words.insert(words.end(), {"--json", (folder / "a.json").string(), "--csv", (folder / "a.csv").string()});
-  const ProgramResult result = run_program(words);
+  const ProgramResult result = run_program(words, environment);
   INFO("stdout: " << result.out << "\nstderr: " << result.err);
   CHECK(result.exit_code == 2);
   CHECK(result.out.empty());
@@ -71,6 +72,27 @@ TEST_CASE("bench measures the tracers asked for, and says what memory a build ta
   const ProgramResult none = run_program(small({"interior", "--tracers", "nonesuch"}));
   CHECK(none.exit_code == 2);
   CHECK_THAT(none.err, Catch::Contains("--tracers") && Catch::Contains("nonesuch"));
+}
+
+TEST_CASE("bench lists no packets where the device has none, and says so where they are asked for") {
+  const TempFolder folder;
+  const auto profile = [&folder](const std::string& fields) {
+    const std::string text = R"({"profiles": [{)" + fields + "}]}";
+    return std::map<std::string, std::string>{{"HEMIRAY_PROFILE", folder.write("profile.json", text).string()}};
+  };
+  const auto json_file = folder / "a.json";
+  const ProgramResult result =
+      run_program(small({"terrain", "--tracers", "quality/watertight", "--json", json_file.string()}),
+                  profile(R"("explicit_vectors": 0)"));
+  INFO(result.out << result.err);
+  REQUIRE(result.exit_code == 0);
+  const json traces = read_json(json_file)["scenes"][0]["traces"];
+  CHECK(traces.size() == 5);
+  for (const json& trace : traces) CHECK(trace["tracer"] == "device/quality/watertight/single");
+  for (const char* fields : {R"("explicit_vectors": 0)", R"("leaf_lanes": 1)"}) {
+    check_refused(small({"terrain", "--tracers", "packet"}),
+                  {"--tracers", "\"packet\"", "explicit_vectors 0 or leaf_lanes 1", "take single"}, profile(fields));
+  }
 }
 
 TEST_CASE("bench measures a scene, verifies it, and writes JSON and CSV") {
