@@ -173,6 +173,7 @@ int run_bench_command(const BenchArguments& given) {
   if (given.judged && context.device().kind != DeviceKind::cpu) {
     throw InputError("--bars", fmt::format("bars are for processors, {} is none", context.device().name));
   }
+  check_tracers(context, plan);
   prepare_outputs(given);
 
   const InterruptGuard interrupt;

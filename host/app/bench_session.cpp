@@ -143,9 +143,7 @@ void measure_leaks(Context& context, const BenchPlan& plan, const ContenderOptio
   display.show(bench::leaks_table(report.leaks));
 }
 
-}  // namespace
-
-bench::Report run_bench(Context& context, const BenchPlan& plan, const BenchOutput& output) {
+ContenderOptions contenders_of(const Context& context, const BenchPlan& plan) {
   ContenderOptions options;
   options.peers = plan.peers;
   options.quick = plan.quick;
@@ -154,7 +152,19 @@ bench::Report run_bench(Context& context, const BenchPlan& plan, const BenchOutp
   const bool on_cpu = context.device().kind == DeviceKind::cpu;
   options.threads = std::max(
       1U, on_cpu ? static_cast<unsigned>(context.device().compute_units) : std::thread::hardware_concurrency());
+  return options;
+}
 
+}  // namespace
+
+void check_tracers(Context& context, const BenchPlan& plan) {
+  const ContenderOptions options = contenders_of(context, plan);
+  for (const BenchTarget& target : plan.targets) make_tracers(context, options, target.triangles);
+  if (plan.leaks) make_leak_tracers(context, options);
+}
+
+bench::Report run_bench(Context& context, const BenchPlan& plan, const BenchOutput& output) {
+  const ContenderOptions options = contenders_of(context, plan);
   bench::Report report;
   report.machine = describe(context, plan, options.threads);
   Display display(plan, output);
