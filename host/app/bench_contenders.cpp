@@ -159,4 +159,16 @@ bench::Tracers make_leak_tracers(Context& context, const ContenderOptions& optio
   return tracers;
 }
 
+bench::BarNames contender_names(Context& context, bool peers) {
+  ContenderOptions everything;
+  everything.peers = peers;
+  bench::BarNames names;
+  for (const auto& tracer : all_tracers(context, everything, 0)) {
+    names.tracers.insert(tracer->name());
+    names.trees.insert(tracer->build_name());
+  }
+  for (const auto& tracer : all_leak_tracers(context, everything)) names.leak_tracers.insert(tracer->name());
+  return names;
+}
+
 }  // namespace hemiray::app

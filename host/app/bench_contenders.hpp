@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "host/bench/bars.hpp"
 #include "host/bench/run.hpp"
 #include "host/gpu/context.hpp"
 
@@ -27,5 +28,8 @@ bench::Tracers make_tracers(Context& context, const ContenderOptions& options, s
 /// For counting leaks: both triangle tests, single rays and packets, and Embree's default and ROBUST scenes. Otherwise
 /// as make_tracers().
 bench::Tracers make_leak_tracers(Context& context, const ContenderOptions& options);
+
+/// Names of all that this build can measure, in scenes of any size and on devices with packets.
+bench::BarNames contender_names(Context& context, bool peers);
 
 }  // namespace hemiray::app

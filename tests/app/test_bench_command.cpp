@@ -203,6 +203,24 @@ TEST_CASE("bench refuses what it cannot measure before it measures, and writes n
   check_refused(small({"interior", "--leaks", "--tracers", "device/fast"}), {"--tracers", "\"device/fast\""});
 }
 
+TEST_CASE("bars for leaks alone need neither peers nor the interior, but --leaks") {
+  const TempFolder folder;
+  const std::string bars =
+      folder
+          .write("bars.json", R"({"hemiray_bars": 1, "rows": [{"label": "tight", "kind": "leaks", "better": "lower",)"
+                              R"("ours": "device/quality/watertight/single", "bar": 0}]})")
+          .string();
+  check_refused(small({"hair", "--bars", bars}), {"--bars", "--leaks"});
+  const ProgramResult result =
+      run_program(small({"hair", "--quick", "--leaks", "--leak-rays", "4096", "--tracers", "watertight/single",
+                         "--bars", bars, "--json", (folder / "a.json").string()}));
+  INFO(result.out << result.err);
+  CHECK(result.exit_code == 0);
+  const json judged = read_json(folder / "a.json")["bars"];
+  REQUIRE(judged.size() == 1);
+  CHECK(judged[0]["verdict"] == "PASS");
+}
+
 TEST_CASE("bench --peers in a build without Embree names the package") {
   if (has_peers()) return;
   check_refused(small({"interior", "--peers"}), {"--peers", "libembree-dev"});
@@ -212,14 +230,19 @@ TEST_CASE("bench --bars refuses a bad file, and scenes that no bar holds") {
   if (!has_peers()) return;
   const TempFolder folder;
   const std::string bad = folder.write("bad.json", R"({"hemiray_bars": 1, "rows": [{"label": 3}]})").string();
-  const std::string other =
-      folder
-          .write("other.json", R"({"hemiray_bars": 1, "rows": [{"label": "x", "kind": "build", "better": "lower",)"
-                               R"("ours": "a", "against": ["b"], "bars": {"z80": {"10000": 1}}}]})")
-          .string();
+  const auto one_bar = [&folder](const std::string& ours) {
+    return folder
+        .write("other.json", R"({"hemiray_bars": 1, "rows": [{"label": "x", "kind": "build", "better": "lower",)"
+                             R"("ours": ")" +
+                                 ours + R"(", "against": ["embree/low"], "bars": {"z80": {"10000": 1}}}]})")
+        .string();
+  };
   check_refused(small({"interior", "--peers", "--bars", bad}), {"bad.json: /rows/0/label"});
   check_refused(small({"interior", "--peers", "--bars", (folder / "none.json").string()}), {"none.json"});
-  check_refused(small({"interior", "--peers", "--bars", other}), {"--bars", "no bars for this processor"});
+  check_refused(small({"interior", "--peers", "--bars", one_bar("device/fast")}),
+                {"--bars", "no bars for this processor"});
+  check_refused(small({"interior", "--peers", "--bars", one_bar("device/fats")}),
+                {"other.json: /rows/0/ours", "did you mean \"device/fast\""});
   check_refused(small({"terrain", "--peers", "--bars"}), {"--bars", "interior"});
 }
 
