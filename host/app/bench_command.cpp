@@ -19,6 +19,7 @@
 #include "host/base/read_file.hpp"
 #include "host/base/spelling.hpp"
 #include "host/bench/processor.hpp"
+#include "host/gpu/device_list.hpp"
 
 namespace hemiray::app {
 namespace {
@@ -181,7 +182,7 @@ int run_bench_command(const BenchArguments& given) {
   plan.leak_rays = given.leak_rays;
   if (plan.resolution % 32 != 0) throw InputError("--resolution", "not a multiple of 32");
   if (plan.leak_rays % 64 != 0) throw InputError("--leak-rays", "not a multiple of 64");
-  Context context(choose_device(given.device));
+  Context context(choose_single_device(given.device, "bench measures"));
   if (given.judged) plan.bars = load_bars(context, given, plan.targets);
   check_tracers(context, plan);
   prepare_outputs(given);

@@ -35,13 +35,17 @@ bool is_one_name(const std::string& selector) {
   return std::any_of(devices.begin(), devices.end(), [&selector](const DeviceInfo& d) { return d.name == selector; });
 }
 
+// Or parts of one.
+bool means_several(const std::string& selector) {
+  return is_split(selector) || selector == "all" || (selector.find(',') != std::string::npos && !is_one_name(selector));
+}
+
 // What is split where nothing says which: the environment's device if it names a single one.
 DeviceInfo device_to_split() {
   const char* environment = std::getenv("HEMIRAY_DEVICE");
   const std::string text = environment != nullptr ? environment : "";
   if (text.empty()) return choose_device("", "--device");
-  const bool several = is_split(text) || text == "all" || (text.find(',') != std::string::npos && !is_one_name(text));
-  return several ? choose_device("", "--device") : choose_device(text, "HEMIRAY_DEVICE");
+  return means_several(text) ? choose_device("", "--device") : choose_device(text, "HEMIRAY_DEVICE");
 }
 
 std::vector<DeviceInfo> devices_of_entry(const std::string& entry, const std::string& place) {
@@ -61,6 +65,15 @@ std::vector<DeviceInfo> every_usable_device() {
                 devices.end());
   if (devices.empty()) devices.push_back(choose_device("", "--device"));  // throws, naming the package to install
   return devices;
+}
+
+struct Selector {
+  std::string text, place;
+};
+
+Selector given_or_environment(const std::string& given) {
+  const char* environment = given.empty() ? std::getenv("HEMIRAY_DEVICE") : nullptr;
+  return environment != nullptr ? Selector{environment, "HEMIRAY_DEVICE"} : Selector{given, "--device"};
 }
 
 }  // namespace
@@ -100,12 +113,7 @@ std::vector<DeviceInfo> split_device(const DeviceInfo& device, int parts, const 
 }
 
 std::vector<DeviceInfo> choose_devices(const std::string& selector_given) {
-  std::string selector = selector_given;
-  std::string place = "--device";
-  if (selector.empty()) {
-    if (const char* environment = std::getenv("HEMIRAY_DEVICE")) selector = environment;
-    place = "HEMIRAY_DEVICE";
-  }
+  const auto [selector, place] = given_or_environment(selector_given);
   if (selector.empty()) return {choose_device("", "--device")};
   if (selector == "all") return every_usable_device();
   if (selector.find(',') == std::string::npos || is_one_name(selector)) return devices_of_entry(selector, place);
@@ -121,6 +129,15 @@ std::vector<DeviceInfo> choose_devices(const std::string& selector_given) {
     devices.insert(devices.end(), more.begin(), more.end());
   }
   return devices;
+}
+
+DeviceInfo choose_single_device(const std::string& selector_given, const std::string& who) {
+  const auto [selector, place] = given_or_environment(selector_given);
+  if (means_several(selector)) {
+    throw InputError(place, fmt::format("'{}': {} one device; give an index or a part of a name: {}", selector, who,
+                                        names_of(list_devices())));
+  }
+  return choose_device(selector, place);
 }
 
 }  // namespace hemiray

@@ -197,6 +197,11 @@ TEST_CASE("bench refuses what it cannot measure before it measures, and writes n
   check_refused(small({"interior", "--bars"}), {"--bars", "--peers"});
   check_refused(small({"interior", "--plot", "/dev/null/x"}), {"--plot"});
   check_refused(small({"interior", "--device", "nonesuch"}), {"--device", "nonesuch"});
+  for (const std::string several : {"split:2", "all", "0,1", "split:1"}) {
+    check_refused(small({"interior", "--device", several}),
+                  {"--device: '" + several + "'", "bench measures one device", "0 "});
+  }
+  check_refused(small({"interior"}), {"HEMIRAY_DEVICE: 'all'", "bench measures one"}, {{"HEMIRAY_DEVICE", "all"}});
   check_refused(small({"interior", "--tracers", "nonesuch"}), {"--tracers", "\"nonesuch\"", "device/quality/"});
   check_refused(small({"interior", "--tracers", "device/quality/watertight/singel"}),
                 {"--tracers", "did you mean \"device/quality/watertight/single\""});
