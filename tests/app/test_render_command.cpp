@@ -1,8 +1,10 @@
 // `hemiray render` as a user runs it: files, layers, statistics, options.
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "host/base/clock.hpp"
 #include "host/base/exr.hpp"
 #include "host/base/image_decode.hpp"
 #include "tests/app/small_scenes.hpp"
@@ -205,6 +207,22 @@ TEST_CASE("render --json holds the statistics") {
   CHECK(stage_names(with_tail).count("path_finish") == 1);
   CHECK(with_tail["rays"]["closest"].get<double>() == Approx(all["rays"]["closest"].get<double>()).epsilon(1e-3));
   CHECK(with_tail["rays"]["shadow"].get<double>() == Approx(all["rays"]["shadow"].get<double>()).epsilon(1e-3));
+}
+
+TEST_CASE("the time to the first picture counts from the end of the build that ./hemiray began with") {
+  const Renders renders;
+  // A shell that "builds" for a second, then becomes the program, as the wrapper does.
+  const std::string output = renders.path("statistics.json");
+  const std::string render = "'" HR_PROGRAM "' render '" + renders.matte + "' -o '" + renders.path("a.exr") + "'";
+  const std::string shell = "sleep 1; read -r HEMIRAY_BUILT_AT _ </proc/uptime; export HEMIRAY_BUILT_AT; exec ";
+  const double start = steady_ms();
+  REQUIRE(std::system((shell + render + " --spp 1 --json >'" + output + "'").c_str()) == 0);
+  const double all_s = (steady_ms() - start) * 1e-3;
+  const json statistics = json::parse(read_whole_file(output));
+  CHECK(statistics["first_pixel_s"].get<double>() > 0.0);
+  CHECK(statistics["first_pixel_s"].get<double>() < statistics["total_s"].get<double>());
+  constexpr double kClockTick = 0.02;  // [s]: what both clocks of the system are rounded to
+  CHECK(statistics["total_s"].get<double>() < all_s - 1.0 + kClockTick);
 }
 
 TEST_CASE("render prints a table, on --quiet nothing, and no progress bar into a pipe") {
