@@ -48,7 +48,7 @@ struct RenderArguments {
   int spp = 4, depth = -1;
   std::uint32_t seed = 0;
   double exposure = 0.0;
-  bool strict = false, quiet = false, json = false;
+  bool has_tree = false, strict = false, quiet = false, json = false;
 };
 
 // "640x480" -> width and height.
@@ -72,10 +72,23 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
+// An option without effect is a mistake: who gives it expects one.
+void check_effective(const RenderArguments& given, const RenderOptions& options) {
+  const bool groups = given.rays == "packets" || given.rays == "sorted";
+  if (groups && options.engine == EngineKind::megakernel) {
+    throw InputError("--rays " + given.rays,
+                     "only the wavefront groups rays, not --engine megakernel; leave one of the two out");
+  }
+  if (given.has_tree && options.accel.kind != AccelKind::bvh) {
+    throw InputError("--tree " + given.tree, "is for bvh and bvh2; leave it out with --accel " + given.accel);
+  }
+}
+
 RenderOptions to_options(const RenderArguments& given) {
   RenderOptions options;
   options.engine = given.engine == "megakernel" ? EngineKind::megakernel : EngineKind::wavefront;
   options.accel = parse_accel(given.accel);
+  check_effective(given, options);
   options.accel.builder = given.tree == "fast" ? TreeBuilder::fast : TreeBuilder::quality;
   options.accel.triangle_test = given.triangle == "fast" ? TriangleTest::fast : TriangleTest::watertight;
   if (given.rays == "single") options.rays = RayGrouping::single;
@@ -119,10 +132,11 @@ RenderFacts gather_facts(const RenderArguments& given, const Scene& scene, const
   facts.strict = given.strict;
   facts.spp = given.spp;
   facts.depth = given.depth >= 0 ? given.depth : scene.depth;
-  facts.options = fmt::format(
-      "--engine {} --accel {} --tree {} --triangle {} --rays {} --size {}x{} --spp {} --depth {} --seed {}{}",
-      facts.engine, given.accel, given.tree, given.triangle, given.rays, facts.width, facts.height, facts.spp,
-      facts.depth, facts.seed, facts.strict ? " --strict" : "");
+  const std::string tree = options.accel.kind == AccelKind::bvh ? " --tree " + given.tree : "";
+  facts.options =
+      fmt::format("--engine {} --accel {}{} --triangle {} --rays {} --size {}x{} --spp {} --depth {} --seed {}{}",
+                  facts.engine, given.accel, tree, given.triangle, given.rays, facts.width, facts.height, facts.spp,
+                  facts.depth, facts.seed, facts.strict ? " --strict" : "");
   facts.notes = scene.notes;
   return facts;
 }
@@ -223,9 +237,10 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option("--accel", given->accel, "Acceleration structure; all give the same hits")
       ->check(CLI::IsMember({"bvh", "bvh2", "octree", "kdtree", "kdtree-median"}))
       ->capture_default_str();
-  command->add_option("--tree", given->tree, "How the bvh is built: quality traces faster, fast builds faster")
-      ->check(CLI::IsMember({"quality", "fast"}))
-      ->capture_default_str();
+  CLI::Option* tree =
+      command->add_option("--tree", given->tree, "How a bvh is built: quality traces faster, fast builds faster")
+          ->check(CLI::IsMember({"quality", "fast"}))
+          ->capture_default_str();
   command->add_option("--triangle", given->triangle, "Triangle test; watertight lets no ray slip between neighbours")
       ->check(CLI::IsMember({"watertight", "fast"}))
       ->capture_default_str();
@@ -241,7 +256,10 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option("--trace", given->trace, "Write a timeline in Chrome's trace format");
   command->add_option("--dump-kernels", given->dump_kernels, "Write the flattened kernel sources to this folder");
   command->footer(kExamples);
-  command->callback([given, &exit_code] { exit_code = run_render(*given); });
+  command->callback([given, tree, &exit_code] {
+    given->has_tree = tree->count() > 0;
+    exit_code = run_render(*given);
+  });
 }
 
 }  // namespace hemiray::app

@@ -18,7 +18,7 @@ std::uint32_t features_for(const FlatScene& flat) {
 // The triangles on the device and the tree over them.
 struct DeviceBuild {
   DeviceBuild(DeviceWorkshop& workshop, const FlatScene& flat, const AccelOptions& options)
-      : scene(*workshop.context, flat, features_for(flat)), accel(workshop.builder, scene, options) {}
+      : scene(workshop.context(), flat, features_for(flat)), accel(workshop.builder(), scene, options) {}
   DeviceScene scene;
   Accel accel;
 };
@@ -73,7 +73,7 @@ class DeviceTracer final : public Tracer {
     options.kind = settings_.kind;
     const bool has_instances = instanced_ != nullptr && settings_.kind == AccelKind::bvh;
     const FlatScene& given = has_instances ? *instanced_ : flat;
-    const std::uint64_t held = workshop_->builder.scratch_bytes(), others = context().allocated_bytes() - held;
+    const std::uint64_t held = workshop_->builder().scratch_bytes(), others = context().allocated_bytes() - held;
     context().restart_peak();
     build_ = std::make_shared<DeviceBuild>(*workshop_, given, options);
     context().finish();
@@ -140,7 +140,7 @@ class DeviceTracer final : public Tracer {
   }
 
  private:
-  Context& context() { return *workshop_->context; }
+  Context& context() { return workshop_->context(); }
   // What its build tells: these nodes are none of tree_facts()'s.
   [[nodiscard]] TreeFacts cell_tree_facts() const {
     const Accel& accel = build_->accel;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "host/bench/tracer.hpp"
 #include "host/bvh/accel.hpp"
@@ -19,13 +20,25 @@ struct DeviceTracerSettings {
   AccelKind kind = AccelKind::bvh;  ///< any other goes by single rays and leaves `tree` out
 };
 
-/// The programs and working memory that all tracers of a device build with. The context must outlive it.
-struct DeviceWorkshop {
-  explicit DeviceWorkshop(Context& device_context)
-      : context(&device_context), parallel(device_context), builder(device_context, parallel, true) {}
-  Context* context;
-  Parallel parallel;
-  AccelBuilder builder;
+/// The programs and working memory that all tracers of a device build with, made when the first one builds. The context
+/// must outlive it.
+class DeviceWorkshop {
+ public:
+  explicit DeviceWorkshop(Context& context) : context_(&context) {}
+  [[nodiscard]] Context& context() const { return *context_; }
+  AccelBuilder& builder() {
+    if (!tools_) tools_.emplace(*context_);
+    return tools_->builder;
+  }
+
+ private:
+  struct Tools {
+    explicit Tools(Context& context) : parallel(context), builder(context, parallel, true) {}
+    Parallel parallel;
+    AccelBuilder builder;
+  };
+  Context* context_;
+  std::optional<Tools> tools_;
 };
 
 /// Named "device/TREE/TRIANGLES/MODE", such as "device/quality/watertight/single" or "device/octree/fast/single".

@@ -107,11 +107,7 @@ Program& AccelBuilder::layout_program(const AccelConfig& config) {
 Accel::Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions& given) : builder_(&builder) {
   Context& context = *builder.context_;
   const AccelOptions options = complete_options(given, context.profile());
-  config_.width = options.width;
-  config_.leaf_lanes = options.leaf_lanes;
-  config_.watertight = options.triangle_test == TriangleTest::watertight;
-  config_.explicit_vectors = options.explicit_vectors != 0;
-  config_.kind = options.kind;
+  config_ = config_of(options);
   options_ = options;
   const double start = steady_ms();
   const double compile_start = context.launch_compile_ms();

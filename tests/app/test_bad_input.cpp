@@ -129,6 +129,12 @@ TEST_CASE("bad input: the command line") {
   refuse({"--engine", "wavefrnt"}, {"--engine", "wavefrnt", "wavefront", "megakernel"});
   refuse({"--rays", "packet"}, {"--rays", "packet", "single", "packets", "sorted"});
   refuse({"--rays", "packets", "--strict"}, {"--rays packets", "--strict"});
+  for (const char* rays : {"packets", "sorted"}) {
+    refuse({"--rays", rays, "--engine", "megakernel"}, {"--rays " + std::string(rays), "--engine megakernel"});
+  }
+  for (const char* accel : {"octree", "kdtree", "kdtree-median"}) {
+    refuse({"--tree", "fast", "--accel", accel}, {"--tree fast", "--accel " + std::string(accel)});
+  }
   refuse({"--nonsense"}, {"--nonsense", "--help"});
   refuse({"--size"}, {"--size"});
   refuse({"another.json"}, {"another.json"});
