@@ -92,6 +92,10 @@ std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
   }
   line("picture", fmt::format("{} x {}, {} of {} samples, depth {}, {}{}", f.width, f.height, s.passes, f.spp, f.depth,
                               f.engine, f.strict ? ", strict" : ""));
+  if (has_feature(s.features, HR_FEATURE_SMOOTH_NORMALS) && has_feature(s.features, HR_FEATURE_LIGHTS)) {
+    line("shadows",
+         f.terminator == "smooth" ? "start on the smooth surface (shadow terminator)" : "start on triangles");
+  }
   line("compile", fmt::format("{} ({})", format_duration(compile_ms(s) * 1e-3), all_cached(s) ? "cached" : "cold"));
   line("build",
        fmt::format("{}, {}, {}, {}-bit Morton codes", format_duration(s.accel.build_ms * 1e-3),
@@ -146,7 +150,8 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
                                 {"spp", f.spp},
                                 {"depth", f.depth},
                                 {"seed", f.seed},
-                                {"strict", f.strict}}},
+                                {"strict", f.strict},
+                                {"terminator", f.terminator}}},
                               {"effects", feature_names(s.features)},
                               {"passes", s.passes},
                               {"interrupted", s.interrupted},
@@ -207,6 +212,7 @@ std::map<std::string, std::string> report_metadata(const RenderFacts& f, const R
           {"depth", std::to_string(f.depth)},
           {"seed", std::to_string(f.seed)},
           {"strict", f.strict ? "true" : "false"},
+          {"terminator", f.terminator},
           {"effects", fmt::format("{}", fmt::join(feature_names(s.features), " "))},
           {"build_ms", fmt::format("{:.3f}", s.accel.build_ms)},
           {"trace_ms", fmt::format("{:.3f}", s.trace_ms)}};

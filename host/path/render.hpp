@@ -26,6 +26,8 @@ struct RenderOptions {
   int depth = -1;  ///< bounces; negative: the scene's
   std::uint32_t seed = 0;
   bool strict = false;  ///< same bits from both engines
+  /// Shadow rays leave smooth-shaded triangles from the surface that their normals tell of (kernels/lib/terminator.h).
+  bool smooth_terminator = true;
   AccelOptions accel;
   std::optional<RayGrouping> rays;                ///< how the wavefront traces them; none: what pays (wave_tracing.hpp)
   Instancing instancing = Instancing::automatic;  ///< in trees of cells there are no instances

@@ -141,7 +141,7 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
 
 // Which candidates intersect_lane() has to look at, since an edge function may be 0. Rarely any.
 static inline bool is_doubtful(real u, real v) {
-  return HR_TRIANGLE_WATERTIGHT && !(u > 0 && v > 0 && u + v < HR_SURELY_INSIDE);
+  return HR_TRIANGLE_WATERTIGHT ? !(u > 0 && v > 0 && u + v < HR_SURELY_INSIDE) : false;
 }
 
 static inline LaneSet doubtful_lanes(const BlockHits* hits) {

@@ -5,6 +5,7 @@
 #include "lib/instance.h"
 #include "lib/intersect.h"
 #include "lib/scene_view.h"
+#include "lib/terminator.h"
 #include "lib/texture.h"
 #include "lib/vec.h"
 
@@ -19,6 +20,7 @@ typedef struct Surface {
   real3 error;           // bound of |position - exact point| per axis [m]
   real3 normal;          // geometric, unit, to the side the ray came from
   real3 shading_normal;  // unit, on the same side
+  real3 lift;            // from position to where shadow rays start [m] (lib/terminator.h)
   real3 kd, ks, ka, emission;
   real shininess;
   uint material;
@@ -49,17 +51,25 @@ static inline real2 interpolate_uv(const SceneView* view, uint4 i, real u, real 
   return load_uv(view, i.x) * (1 - u - v) + load_uv(view, i.y) * u + load_uv(view, i.z) * v;
 }
 
-// Interpolated vertex normal in the world, or `fallback` where a vertex has none. `instance` may be null.
-static inline real3 interpolate_normal(const SceneView* view, uint4 i, global const Instance* instance, real u, real v,
-                                       real3 fallback) {
-  real3 na = load_normal(view, i.x), nb = load_normal(view, i.y), nc = load_normal(view, i.z);
-  if (dot3(na, na) == 0 || dot3(nb, nb) == 0 || dot3(nc, nc) == 0) return fallback;
+typedef struct VertexNormals {
+  real3 a, b, c;  // in the world
+  bool smooth;    // no vertex lacks one
+} VertexNormals;
+
+// `instance` may be null.
+static inline VertexNormals load_vertex_normals(const SceneView* view, uint4 i, global const Instance* instance) {
+  VertexNormals n = {load_normal(view, i.x), load_normal(view, i.y), load_normal(view, i.z), true};
+  n.smooth = dot3(n.a, n.a) != 0 && dot3(n.b, n.b) != 0 && dot3(n.c, n.c) != 0;
   if (HR_HAS(INSTANCES) && instance) {
-    na = normal_to_world(instance, na);
-    nb = normal_to_world(instance, nb);
-    nc = normal_to_world(instance, nc);
+    n.a = normal_to_world(instance, n.a);
+    n.b = normal_to_world(instance, n.b);
+    n.c = normal_to_world(instance, n.c);
   }
-  const real3 n = na * (1 - u - v) + nb * u + nc * v;
+  return n;
+}
+
+static inline real3 interpolate_normal(const VertexNormals* normals, real u, real v, real3 fallback) {
+  const real3 n = normals->a * (1 - u - v) + normals->b * u + normals->c * v;
   return dot3(n, n) > 0 ? normalize3(n) : fallback;
 }
 
@@ -148,6 +158,7 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
   real3 interpolated = outward;
   uint material = 0;
   TriangleGeometry g;
+  VertexNormals normals = {(real3)(0), (real3)(0), (real3)(0), false};
   global const Instance* instance = 0;
   if (HR_HAS(INSTANCES) && hit->primitive >= first_instanced(view)) instance = instance_of(view, hit->primitive);
   if (HR_HAS(TRIANGLES) && (instance || hit->primitive < view->triangle_count)) {
@@ -166,7 +177,8 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
     outward = normal_of_edges(g.b - g.a, g.c - g.a);
     interpolated = outward;
     if (HR_HAS(SMOOTH_NORMALS)) {
-      interpolated = interpolate_normal(view, g.indices, instance, hit->u, hit->v, outward);
+      normals = load_vertex_normals(view, g.indices, instance);
+      if (normals.smooth) interpolated = interpolate_normal(&normals, hit->u, hit->v, outward);
     }
     if (HR_HAS(TEXTURES)) {
       uv = interpolate_uv(view, g.indices, hit->u, hit->v);
@@ -199,6 +211,10 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
   s.material = material;
   s.front = dot3(outward, direction) < 0 ? 1u : 0u;
   s.normal = s.front ? outward : -outward;
+  s.lift = (real3)(0);
+  if (HR_HAS(SMOOTH_NORMALS) && normals.smooth && HR_HARD_TERMINATOR == 0) {
+    s.lift = shadow_lift(g.b - g.a, g.c - g.a, hit->u, hit->v, normals.a, normals.b, normals.c, s.normal);
+  }
   if (HR_HAS(NORMAL_MAPS) && has_uv) {
     const Material m = view->materials[material];
     if (m.normal_texture != HR_NO_TEXTURE) {
