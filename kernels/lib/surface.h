@@ -212,9 +212,11 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
   s.front = dot3(outward, direction) < 0 ? 1u : 0u;
   s.normal = s.front ? outward : -outward;
   s.lift = (real3)(0);
-  if (HR_HAS(SMOOTH_NORMALS) && normals.smooth && HR_HARD_TERMINATOR == 0) {
+#if !HR_HARD_TERMINATOR
+  if (HR_HAS(SMOOTH_NORMALS) && normals.smooth) {
     s.lift = shadow_lift(g.b - g.a, g.c - g.a, hit->u, hit->v, normals.a, normals.b, normals.c, s.normal);
   }
+#endif
   if (HR_HAS(NORMAL_MAPS) && has_uv) {
     const Material m = view->materials[material];
     if (m.normal_texture != HR_NO_TEXTURE) {
