@@ -44,7 +44,8 @@ Interrupt (Ctrl-C) finishes the pass, writes what is there and exits with 130.)"
 
 struct RenderArguments {
   std::string scene, output, device, engine = "wavefront", accel = "bvh", tree = "quality", triangle = "watertight",
-                                     rays = "auto", terminator = "smooth", size, png, trace, dump_kernels;
+                                     rays = "auto", terminator = "smooth", precision = "single", size, png, trace,
+                                     dump_kernels;
   int spp = 4, depth = -1;
   std::uint32_t seed = 0;
   double exposure = 0.0;
@@ -100,6 +101,7 @@ RenderOptions to_options(const RenderArguments& given) {
   options.seed = given.seed;
   options.strict = given.strict;
   options.smooth_terminator = given.terminator == "smooth";
+  options.double_precision = given.precision == "double";
   return options;
 }
 
@@ -132,13 +134,15 @@ RenderFacts gather_facts(const RenderArguments& given, const Scene& scene, const
   facts.seed = given.seed;
   facts.strict = given.strict;
   facts.terminator = given.terminator;
+  facts.precision = given.precision;
   facts.spp = given.spp;
   facts.depth = given.depth >= 0 ? given.depth : scene.depth;
   const std::string tree = options.accel.kind == AccelKind::bvh ? " --tree " + given.tree : "";
   facts.options = fmt::format(
-      "--engine {} --accel {}{} --triangle {} --rays {} --terminator {} --size {}x{} --spp {} --depth {} --seed {}{}",
-      facts.engine, given.accel, tree, given.triangle, given.rays, given.terminator, facts.width, facts.height,
-      facts.spp, facts.depth, facts.seed, facts.strict ? " --strict" : "");
+      "--engine {} --accel {}{} --triangle {} --rays {} --terminator {} --precision {} --size {}x{} --spp {} --depth "
+      "{} --seed {}{}",
+      facts.engine, given.accel, tree, given.triangle, given.rays, given.terminator, given.precision, facts.width,
+      facts.height, facts.spp, facts.depth, facts.seed, facts.strict ? " --strict" : "");
   facts.notes = scene.notes;
   return facts;
 }
@@ -257,6 +261,12 @@ void add_render_command(CLI::App& app, int& exit_code) {
                    "Shadows on smooth-shaded triangles: smooth starts shadow rays on the surface the normals tell of, "
                    "hard on the triangles, which then show at the shadow's edge")
       ->check(CLI::IsMember({"smooth", "hard"}))
+      ->capture_default_str();
+  command
+      ->add_option("--precision", given->precision,
+                   "double computes rays, hits and shading in double precision, two to four times slower; trees and "
+                   "the picture's sums stay single")
+      ->check(CLI::IsMember({"single", "double"}))
       ->capture_default_str();
   command->add_flag("--strict", given->strict, "Both engines give the same bits; some speed is lost");
   command->add_flag("--quiet", given->quiet, "Print nothing but errors");

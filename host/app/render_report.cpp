@@ -90,8 +90,9 @@ std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
                            rate, d.failure.empty() ? "" : ", FAILED"));
     }
   }
-  line("picture", fmt::format("{} x {}, {} of {} samples, depth {}, {}{}", f.width, f.height, s.passes, f.spp, f.depth,
-                              f.engine, f.strict ? ", strict" : ""));
+  line("picture",
+       fmt::format("{} x {}, {} of {} samples, depth {}, {}{}", f.width, f.height, s.passes, f.spp, f.depth, f.engine,
+                   std::string(f.strict ? ", strict" : "") + (f.precision == "double" ? ", double precision" : "")));
   if (has_feature(s.features, HR_FEATURE_SMOOTH_NORMALS) && has_feature(s.features, HR_FEATURE_LIGHTS)) {
     line("shadows",
          f.terminator == "smooth" ? "start on the smooth surface (shadow terminator)" : "start on triangles");
@@ -151,6 +152,7 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
                                 {"depth", f.depth},
                                 {"seed", f.seed},
                                 {"strict", f.strict},
+                                {"precision", f.precision},
                                 {"terminator", f.terminator}}},
                               {"effects", feature_names(s.features)},
                               {"passes", s.passes},
@@ -212,6 +214,7 @@ std::map<std::string, std::string> report_metadata(const RenderFacts& f, const R
           {"depth", std::to_string(f.depth)},
           {"seed", std::to_string(f.seed)},
           {"strict", f.strict ? "true" : "false"},
+          {"precision", f.precision},
           {"terminator", f.terminator},
           {"effects", fmt::format("{}", fmt::join(feature_names(s.features), " "))},
           {"build_ms", fmt::format("{:.3f}", s.accel.build_ms)},

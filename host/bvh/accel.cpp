@@ -386,8 +386,10 @@ Arguments Accel::tree_arguments() const {
   return all;
 }
 
-ProgramOptions Accel::program_options(std::uint32_t features, bool strict) const {
-  return {features, strict, config_.defines()};
+ProgramOptions Accel::program_options(std::uint32_t features, bool strict, bool double_precision) const {
+  AccelConfig config = config_;
+  if (double_precision) config.explicit_vectors = false;
+  return {features, strict, config.defines(), double_precision};
 }
 
 }  // namespace hemiray

@@ -10,7 +10,7 @@ void note_program(const Context& context, RenderStatistics& statistics, const Pr
 }
 
 ProgramOptions engine_options(const Accel& accel, const RenderSetup& setup) {
-  ProgramOptions options = accel.program_options(setup.features, setup.options.strict);
+  ProgramOptions options = accel.program_options(setup.features, setup.options.strict, setup.options.double_precision);
   if (!setup.options.smooth_terminator) options.defines += " -DHR_HARD_TERMINATOR=1";
   return options;
 }

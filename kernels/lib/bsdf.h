@@ -7,8 +7,8 @@
 #include "lib/vec.h"
 #include "shared/features.h"
 
-#define HR_INV_PI REAL(0.318309886)
-#define HR_INV_8PI REAL(0.0397887358)
+#define HR_INV_PI REAL(0.31830988618379067)
+#define HR_INV_8PI REAL(0.039788735772973836)
 
 // Physical shading: BRDF times cosine, kd/pi + ks (n+8)/(8 pi) (n.h)^n (normalised Blinn-Phong; Akenine-Moeller et al.,
 // Real-Time Rendering, 3rd ed., 7.6). Phong shading: the source's kd max(n.l,0) + ks max(n.h,0)^n; the cosine is

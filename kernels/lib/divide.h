@@ -6,7 +6,7 @@
 
 #include "shared/scalar.h"
 
-#if defined(HR_STRICT) && !defined(HR_ROUNDS_DIVIDE)
+#if defined(HR_STRICT) && !defined(HR_ROUNDS_DIVIDE) && !defined(HR_DOUBLE) /* double always is */
 #define HR_OWN_DIVIDE 1
 #else
 #define HR_OWN_DIVIDE 0

@@ -10,7 +10,11 @@
 #endif
 
 // Half the distance from 1 to the next real: the relative error of one rounded operation.
-#define HR_HALF_ULP REAL(5.9604644775390625e-8)
+#ifdef HR_DOUBLE
+#define HR_HALF_ULP 1.1102230246251565e-16
+#else
+#define HR_HALF_ULP 5.9604644775390625e-8f
+#endif
 
 // Bound of the relative error after n rounded operations (Higham 2002, lemma 3.1).
 #define HR_GAMMA(n) ((n)*HR_HALF_ULP / (1 - (n)*HR_HALF_ULP))
