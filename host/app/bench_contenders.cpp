@@ -123,6 +123,9 @@ bench::Tracers all_tracers(Context& context, const ContenderOptions& options, st
   const auto workshop = std::make_shared<bench::DeviceWorkshop>(context);
   add_quality_tree(workshop, tracers);
   add_device(workshop, tracers, TreeBuilder::fast, TriangleTest::fast, TraceMode::single);
+  if (!options.quick && context.device().has_fp64) {
+    add_device(workshop, tracers, TreeBuilder::quality, TriangleTest::watertight, TraceMode::double_precision);
+  }
   if (!options.quick && triangles <= kMostTrianglesOfAll) {
     add_device(workshop, tracers, TreeBuilder::fast, TriangleTest::watertight, TraceMode::single);
   }

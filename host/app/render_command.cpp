@@ -80,6 +80,9 @@ void check_effective(const RenderArguments& given, const RenderOptions& options)
     throw InputError("--rays " + given.rays,
                      "only the wavefront groups rays, not --engine megakernel; leave one of the two out");
   }
+  if (given.exposure != 0.0 && given.png.empty()) {
+    throw InputError("--exposure", "is for the picture of --png, which is not asked for; name one, or leave it out");
+  }
   if (given.has_tree && options.accel.kind != AccelKind::bvh) {
     throw InputError("--tree " + given.tree, "is for bvh and bvh2; leave it out with --accel " + given.accel);
   }

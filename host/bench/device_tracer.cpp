@@ -44,7 +44,9 @@ class DeviceTracer final : public Tracer {
 
   std::string name() const override {
     return build_name() + (settings_.triangles == TriangleTest::watertight ? "/watertight" : "/fast") +
-           (in_packets() ? "/packet" : "/single");
+           (in_packets()  ? "/packet"
+            : in_double() ? "/double"
+                          : "/single");
   }
   std::string build_name() const override {
     switch (settings_.kind) {
@@ -115,7 +117,7 @@ class DeviceTracer final : public Tracer {
     if (!build_) throw std::logic_error("rays before a build");
     if (!queries_)
       queries_ = std::make_unique<RayQueries>(context(), build_->scene, build_->accel, false,
-                                              in_packets() ? RayGrouping::packets : RayGrouping::single);
+                                              in_packets() ? RayGrouping::packets : RayGrouping::single, in_double());
     if (rays_.size() != rays.size()) {
       rays_ = {}, hits_ = {}, occlusions_ = {};
       rays_ = Buffer<shared::QueryRay>(context(), "rays", rays.size());
@@ -141,6 +143,7 @@ class DeviceTracer final : public Tracer {
 
  private:
   Context& context() { return workshop_->context(); }
+  [[nodiscard]] bool in_double() const { return settings_.mode == TraceMode::double_precision; }
   // What its build tells: these nodes are none of tree_facts()'s.
   [[nodiscard]] TreeFacts cell_tree_facts() const {
     const Accel& accel = build_->accel;

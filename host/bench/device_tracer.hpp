@@ -10,8 +10,8 @@
 
 namespace hemiray::bench {
 
-/// How a tracer asks its rays; packets only where origins are common.
-enum class TraceMode { single, packet };
+/// How a tracer asks its rays; packets only where origins are common. double_precision: single rays, in double.
+enum class TraceMode { single, packet, double_precision };
 
 struct DeviceTracerSettings {
   TreeBuilder tree = TreeBuilder::quality;
@@ -41,7 +41,8 @@ class DeviceWorkshop {
   std::optional<Tools> tools_;
 };
 
-/// Named "device/TREE/TRIANGLES/MODE", such as "device/quality/watertight/single" or "device/octree/fast/single".
+/// Named "device/TREE/TRIANGLES/MODE", such as "device/quality/watertight/single" or "device/octree/fast/single"; MODE
+/// is single, packet or double.
 /// Members throw DeviceError where the device fails.
 std::unique_ptr<Tracer> make_device_tracer(std::shared_ptr<DeviceWorkshop> workshop,
                                            const DeviceTracerSettings& settings);
