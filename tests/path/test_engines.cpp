@@ -117,6 +117,7 @@ Image render_in_waves(const ComparisonScene& item, EngineKind kind, std::uint32_
   params.max_depth = static_cast<std::uint32_t>(options.depth);
   params.triangle_count = scene.triangle_count();
   params.sphere_count = scene.sphere_count();
+  params.shape_count = scene.shape_count();
   params.plane_count = scene.plane_count();
   params.light_count = scene.light_count();
   params.emitter_count = scene.emitter_count();
