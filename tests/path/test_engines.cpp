@@ -152,6 +152,10 @@ TEST_CASE("strict engines give the same bits: textures, normal maps and an ortho
   check_same_bits(scene_named("textured meshes"));
   check_same_bits(scene_named("map view"));
 }
+TEST_CASE("strict engines give the same bits: disks, cylinders, cones and quadrics") {
+  check_same_bits(scene_named("analytic shapes"));
+  check_same_bits(shipped_scene("analytic_shapes.json"));
+}
 TEST_CASE("strict engines give the same bits: shipped scenes") {
   check_same_bits(shipped_scene("glass_and_mirror.json"));
   check_same_bits(shipped_scene("light_arrays.json"));
