@@ -41,10 +41,13 @@ bench::BenchScene file_scene(const std::string& file, std::vector<std::string>& 
   bench::BenchScene measured{file, flatten_scene(scene), {}};
   FlatScene& flat = measured.flat;
   if (flat.triangles.empty()) throw InputError(file, "has no triangles, which is what the benchmark measures");
-  if (!flat.spheres.empty() || !flat.planes.empty()) {
-    notes.push_back(fmt::format("{}: measured without its {} and {}", file, format_count(flat.spheres.size(), "sphere"),
+  if (!flat.spheres.empty() || !flat.shapes.empty() || !flat.planes.empty()) {
+    const std::string shapes = flat.shapes.empty() ? "" : ", " + format_count(flat.shapes.size(), "other shape");
+    notes.push_back(fmt::format("{}: measured without its {}{} and {}", file,
+                                format_count(flat.spheres.size(), "sphere"), shapes,
                                 format_count(flat.planes.size(), "plane")));
     flat.spheres.clear();
+    flat.shapes.clear();
     flat.planes.clear();
   }
   measured.view = bench::camera_view(scene, flat);
