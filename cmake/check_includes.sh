@@ -19,9 +19,10 @@ BEGIN {
   for (i = 1; i <= count; ++i) below[effect[i]] = "base gpu scene"
   for (i = 1; i <= count; ++i) if (effect[i] != "bvh") below[effect[i]] = below[effect[i]] " bvh"  # rays need its trees
   below["bench"] = "base gpu scene bvh"
+  below["stability"] = "base gpu scene bvh path bench"
   below["plan"] = below["study"] = "base gpu scene " effects
   below["api"] = "base gpu scene " effects " plan study"
-  below["app"] = below["api"] " api bench"
+  below["app"] = below["api"] " api bench stability"
   # Kernels: shared <- lib <- module; modules never include each other.
   exception["path", "photon/gather.h"] = 1
   bad = 0

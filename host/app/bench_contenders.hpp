@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "host/bench/run.hpp"
@@ -22,6 +23,9 @@ std::string peer_name();
 /// For timing a scene of so many triangles; the first is the one the others are compared with: Embree's default where
 /// there are peers, else our watertight single ray. Throws InputError if `only` leaves none.
 bench::Tracers make_tracers(Context& context, const ContenderOptions& options, std::size_t triangles);
+
+/// Embree with a ROBUST scene and single rays. Throws as peer_name().
+std::unique_ptr<bench::Tracer> make_robust_peer(unsigned threads);
 
 /// For counting leaks: both triangle tests, single rays and packets, and Embree's default and ROBUST scenes.
 bench::Tracers make_leak_tracers(Context& context, const ContenderOptions& options);
