@@ -19,8 +19,11 @@ inline constexpr HeldRate kHeldRates[] = {
     {"missed", &Tally::missed},     {"false_hit", &Tally::false_hit}, {"wrong_surface", &Tally::wrong_surface},
     {"self_hit", &Tally::self_hit}, {"tunnelled", &Tally::tunnelled}, {"any_hit", &Tally::any_hit}};
 
-/// And how many answers of packets are not those of single rays to the bit.
+/// And how many answers of packets are not those of single rays to the bit. Both are judged; they differ where a ray
+/// along an axis lies in the plane between two boxes, of which single rays enter one and packets the other or both, and
+/// on slivers, whose t is off by more than boxes are padded: 1 % of the rays of a rung at most.
 inline constexpr std::string_view kOtherBits = "other_bits";
+inline constexpr double kMostOtherBits = 0.02;
 
 /// More than nothing is expected of these rungs.
 struct Allowance {
