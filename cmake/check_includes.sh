@@ -10,7 +10,7 @@ mapfile -d '' -t files < <(find host kernels tests bench fuzz -type f \
 
 awk '
 BEGIN {
-  # Host folders, and the folders each may include besides itself: base <- gpu <- scene <- bvh <- path, bench <- api, app,
+  # Host folders, and the folders each may include besides itself: base <- gpu <- scene <- bvh <- path, bench <- stability, api <- app,
   # with room for more effects beside path, and for what plans and studies them above.
   below["base"] = ""
   below["gpu"] = "base"
@@ -20,9 +20,10 @@ BEGIN {
   for (i = 1; i <= count; ++i) below[effect[i]] = "base gpu scene"
   for (i = 1; i <= count; ++i) if (effect[i] != "bvh") below[effect[i]] = below[effect[i]] " bvh"  # rays need its trees
   below["bench"] = "base gpu scene bvh"
+  below["stability"] = "base gpu scene bvh path bench"
   below["plan"] = below["study"] = "base gpu scene " effects
   below["api"] = "base gpu scene " effects " plan study"
-  below["app"] = below["api"] " api bench"
+  below["app"] = below["api"] " api bench stability"
   # Kernels: shared <- lib <- module; modules never include each other.
   exception["path", "photon/gather.h"] = 1
   bad = 0

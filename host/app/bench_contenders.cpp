@@ -150,6 +150,15 @@ std::string peer_name() {
 #endif
 }
 
+std::unique_ptr<bench::Tracer> make_robust_peer([[maybe_unused]] unsigned threads) {
+#ifdef HR_HAS_EMBREE
+  return bench::make_embree_peer({EmbreeQuality::medium, true, EmbreeMode::single, threads});
+#else
+  peer_name();  // throws
+  return nullptr;
+#endif
+}
+
 bench::Tracers make_tracers(Context& context, const ContenderOptions& options, std::size_t triangles) {
   bench::Tracers tracers = all_tracers(context, options, triangles);
   keep_only(tracers, options.only, context);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "host/bench/bars.hpp"
@@ -24,6 +25,9 @@ std::string peer_name();
 /// there are peers, else our watertight single ray. Ours in packets only where the device has them. Nothing is compiled
 /// before the first build. Throws InputError if `only` leaves none, or none of ours but packets that there are not.
 bench::Tracers make_tracers(Context& context, const ContenderOptions& options, std::size_t triangles);
+
+/// Embree with a ROBUST scene and single rays. Throws as peer_name().
+std::unique_ptr<bench::Tracer> make_robust_peer(unsigned threads);
 
 /// For counting leaks: both triangle tests, single rays and packets, and Embree's default and ROBUST scenes. Otherwise
 /// as make_tracers().

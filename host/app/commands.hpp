@@ -13,5 +13,6 @@ void add_check_command(CLI::App& app, int& exit_code);
 void add_compare_command(CLI::App& app, int& exit_code);
 void add_bench_command(CLI::App& app, int& exit_code);
 void add_tune_command(CLI::App& app, int& exit_code);
+void add_stability_command(CLI::App& app, int& exit_code);
 
 }  // namespace hemiray::app

@@ -24,9 +24,10 @@ constexpr const char* kFooter = R"(Examples:
   hemiray devices
   hemiray compare a.exr b.exr --tolerance relmse=1e-3
   hemiray bench --quick --peers --bars
+  hemiray stability --rays 10000
 'hemiray COMMAND --help' has more of each.
 
-Exit codes: 0 done; 1 device or system; 2 usage or input; 3 a comparison beyond its tolerance, a bar not reached; 130 interrupted.)";
+Exit codes: 0 done; 1 device or system; 2 usage or input; 3 a comparison beyond its tolerance, a bar not reached, a rung that does not hold; 130 interrupted.)";
 
 // One line, whatever file names and drivers put into the message.
 int fail(hemiray::ExitCode code, std::string message) {
@@ -59,6 +60,7 @@ int run(int argc, char** argv) {
   hemiray::app::add_devices_command(app, exit_code);
   hemiray::app::add_bench_command(app, exit_code);
   hemiray::app::add_tune_command(app, exit_code);
+  hemiray::app::add_stability_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

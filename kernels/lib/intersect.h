@@ -99,7 +99,7 @@ static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c,
   real wb = ax * cy - ay * cx;
   real wc = bx * ay - by * ax;
   if (!(min(min(wa, wb), wc) >= 0 || max(max(wa, wb), wc) <= 0)) return false;
-  if (wa * wb * wc == 0) {
+  if (wa == 0 || wb == 0 || wc == 0) {  // their product underflows for small triangles
     wa = exact_edge_function(cx, cy, bx, by);
     wb = exact_edge_function(ax, ay, cx, cy);
     wc = exact_edge_function(bx, by, ax, ay);

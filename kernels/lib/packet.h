@@ -111,7 +111,7 @@ static inline bool intersect_triangle_along(Packet* p, global const float* row, 
     int16 met = all_of_one_sign(wa, wb, wc);
     if (!any_lane16(met)) continue;
     met &= p->axis[k] == kz;
-    const int16 doubtful = met & (wa * wb * wc == 0.0f);
+    const int16 doubtful = met & ((wa == 0.0f) | (wb == 0.0f) | (wc == 0.0f));
     if (any_lane16(doubtful)) {
       wa = select(wa, exact_edge_function16(cx, cy, bx, by), doubtful);
       wb = select(wb, exact_edge_function16(ax, ay, cx, cy), doubtful);

@@ -148,6 +148,15 @@ static inline TriangleGeometry load_instanced(const SceneView* view, global cons
   return g;
 }
 
+// Moves p, a point of the triangle but for `error`, by as much towards its middle: rounded over an edge it would lie
+// behind the neighbour, and a ray that leaves along that one's back is lost. In the plane, so the bound of the
+// distance from it stays.
+static inline real3 keep_inside(real3 p, real3 error, const TriangleGeometry* g) {
+  const real3 inward = (g->a + g->b + g->c) * (REAL(1.0) / 3) - p;
+  const real distance = max_component(fabs(inward)), by = max_component(error);
+  return distance > by ? p + inward * (by / distance) : p + inward;
+}
+
 // Everything about the hit of a ray; error bounds follow pbrt (4th ed., 6.8.4-5): position from barycentrics, on the
 // sphere and on shapes by reprojection, on the plane by projection.
 static inline Surface surface_at(const SceneView* view, real3 origin, real3 direction, const Hit* hit) {
@@ -169,6 +178,7 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
     const real3 wa = g.a * (1 - hit->u - hit->v), wb = g.b * hit->u, wc = g.c * hit->v;
     s.position = wa + wb + wc;
     s.error = (fabs(wa) + fabs(wb) + fabs(wc)) * HR_GAMMA(7);
+    s.position = keep_inside(s.position, s.error, &g);
     if (HR_HAS(INSTANCES) && instance) {
       point_to_world(instance, &s.position, &s.error);
       g.b = vector_to_world(instance, g.b - g.a);

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "host/bvh/leaving_rays.hpp"
 #include "host/bvh/nearest_queries.hpp"
 #include "host/bvh/ray_queries.hpp"
 #include "host/bvh/visit_counts.hpp"
@@ -339,6 +340,19 @@ TEST_CASE("tiny: disks, cylinders, cones and quadrics are traced and rendered") 
     tree.accel->refit(tree.scene);
     const std::vector<std::uint32_t> occluded = single.occluded(rays);
     CHECK(static_cast<std::size_t>(std::count(occluded.begin(), occluded.end(), 1U)) == found);
+  }
+}
+
+TEST_CASE("tiny: rays that leave a surface do not meet it again") {
+  TinyTree tree(test::soup(20, 4, 0.3F, 3), two_wide());
+  const test::Rays rays = test::random_rays(6, 4);
+  const std::vector<shared::float4> wanted(rays.size(), {0.0F, 0.6F, 0.8F, 1.0F});
+  const LeavingRays leaving = leave_surfaces(tree.context, tree.scene, *tree.accel, rays, wanted);
+  REQUIRE(leaving.next.size() == rays.size());
+  CHECK(test::count_found(leaving.hits) > 0);
+  for (std::size_t i = 0; i < rays.size(); i++) {
+    const bool same = leaving.hits[i].primitive == leaving.next[i].primitive;
+    CHECK((!same || leaving.hits[i].primitive == HR_NO_PRIMITIVE || leaving.hits[i].primitive >= 20));
   }
 }
 

@@ -1,0 +1,62 @@
+// Runs rungs: asks the device, and a peer beside it, and has the oracle judge.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/bench/tracer.hpp"
+#include "host/bvh/accel.hpp"
+#include "host/gpu/context.hpp"
+#include "host/stability/rung.hpp"
+
+namespace hemiray::stability {
+
+struct RungResult {
+  std::string case_name, rung;
+  RungKind kind = RungKind::hits;
+  Tally ours;
+  std::optional<Tally> packets;     ///< of the same rays traced in packets
+  std::uint64_t other_bits = 0;     ///< answers of packets that are not those of single rays to the bit
+  std::optional<Tally> peer;        ///< of the same rays, where it can trace them
+  std::vector<std::string> broken;  ///< bounds (bounds.hpp) that ours does not keep
+};
+
+struct LadderOptions {
+  std::uint32_t rays = 1'000'000;  ///< a rung; rounded up to packets
+  std::uint32_t seed = 5;
+  bench::Tracer* peer = nullptr;
+  unsigned threads = 1;  ///< that judge
+  /// Puts something in the way of the device's answers: for tests of the oracle.
+  std::function<void(std::vector<shared::QueryHit>&)> tamper;
+};
+
+class Ladder {
+ public:
+  Ladder(Context& context, LadderOptions options);
+  RungResult run(const std::string& case_name, const Rung& rung);
+
+ private:
+  void run_hits(const Rung& rung, RungResult& result);
+  void run_leaving(const Rung& rung, RungResult& result);
+
+  Context* context_;
+  LadderOptions options_;
+  Parallel parallel_;
+  AccelBuilder builder_;
+};
+
+/// What one tracer has to answer for.
+struct Answers {
+  std::vector<shared::QueryHit> hits;
+  std::vector<std::uint32_t> occluded;  ///< empty: not asked
+};
+
+/// Judges each tracer's answers to the rays, on so many threads.
+std::vector<Tally> judge_all(const FlatScene& flat, const Rays& rays, std::span<const Answers> answers,
+                             unsigned threads);
+
+}  // namespace hemiray::stability

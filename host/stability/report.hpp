@@ -1,0 +1,34 @@
+// A run of the ladder as text, JSON and Markdown (docs/STABILITY.md).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/bench/results.hpp"
+#include "host/stability/ladder.hpp"
+
+namespace hemiray::stability {
+
+struct CaseResults {
+  std::string name, what;
+  std::vector<RungResult> rungs;
+};
+
+struct Report {
+  bench::Machine machine;
+  std::string date;  ///< YYYY-MM-DD
+  std::uint32_t rays = 0, seed = 0;
+  double seconds = 0.0;
+  std::vector<CaseResults> cases;
+  bool complete = true;  ///< all cases, to their end
+};
+
+/// Whether every rung holds its bounds.
+bool holds(const Report& report);
+
+std::string report_head(const Report& report);       ///< for people, ends in a newline
+std::string case_table(const CaseResults& results);  ///< the same, a case at a time
+std::string report_json(const Report& report);
+std::string report_markdown(const Report& report);
+
+}  // namespace hemiray::stability
