@@ -154,7 +154,7 @@ static inline TriangleGeometry load_instanced(const SceneView* view, global cons
 static inline real3 keep_inside(real3 p, real3 error, const TriangleGeometry* g) {
   const real3 inward = (g->a + g->b + g->c) * (REAL(1.0) / 3) - p;
   const real distance = max_component(fabs(inward)), by = max_component(error);
-  return distance > by ? p + inward * (by / distance) : p + inward;
+  return distance > by ? p + inward * divide(by, distance) : p + inward;
 }
 
 // Everything about the hit of a ray; error bounds follow pbrt (4th ed., 6.8.4-5): position from barycentrics, on the
