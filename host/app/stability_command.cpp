@@ -18,7 +18,7 @@
 #include "host/base/interrupt.hpp"
 #include "host/base/progress.hpp"
 #include "host/bench/processor.hpp"
-#include "host/scene/spelling.hpp"
+#include "host/base/spelling.hpp"
 #include "host/stability/report.hpp"
 
 namespace hemiray::app {
