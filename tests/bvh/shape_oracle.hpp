@@ -197,7 +197,8 @@ inline ShapeVerdict judge_shape(const ShapeOracle& oracle, const shared::QueryRa
   for (const SurfaceHit& hit : oracle.hits(o, d, 4 * shape_tolerance(oracle, d, 0))) {
     const long double tolerance = shape_tolerance(oracle, d, hit.t);
     const long double along = tolerance / std::max(hit.cosine, 1e-9L) / length;  // of t
-    const bool certain = hit.margin > 4 * tolerance && hit.cosine > 1e-3L;
+    // The rounding of t leads along the ray: it does not decide whether a rim or a silhouette is passed.
+    const bool certain = hit.margin > 4 * shape_tolerance(oracle, d, 0) && hit.cosine > 1e-3L;
     if (hit.t < ray.origin.w - along) continue;
     if (!certain || hit.t <= ray.origin.w + along) {
       doubt = true;

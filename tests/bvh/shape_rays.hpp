@@ -149,8 +149,10 @@ inline shared::QueryRay aimed_ray(const shared::Shape& shape, const ShapeOracle&
       return make_ray(narrow(oracle.place() + 0.2L * reach * Wide(places.in_cube(1.0F))), places.direction());
     case 5:  // from the surface
       return make_ray(narrow(random_point(oracle, places).p), places.direction());
-    case 6:  // from far away
-      return towards(oracle.place() + 1000.0L * reach * random_direction(places), random_point(oracle, places).p);
+    case 6: {  // from far away, closely past a rim
+      const Wide target = rim_point(shape, oracle, places) + 3e-5L * reach * random_direction(places);
+      return towards(oracle.place() + 1000.0L * reach * random_direction(places), target);
+    }
     default: {  // a direction with zeros
       Vec3 d(0.0F);
       d[static_cast<int>(places.below(3))] = places.below(2) == 0 ? 2.0F : -0.5F;
