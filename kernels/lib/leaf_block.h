@@ -119,9 +119,10 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
   hits->t_det = HR_FLIP(ray->sz * fma(wa, az, fma(wb, bz, wc * cz)));
   hits->u_det = HR_FLIP(wb);
   hits->v_det = HR_FLIP(wc);
-  HR_INTL met = (min(min(wa, wb), wc) >= 0.0f) | (max(max(wa, wb), wc) <= 0.0f);
-  const real far = min(t_far * HR_SLAB_PAD, FLT_MAX);  // finite, so that 0 <= 0 * far where all edge functions are 0
-  met &= (hits->t_det >= 0.0f) & (hits->t_det <= hits->det * far);
+  const HR_FLOATL least = min(min(wa, wb), wc), most = max(max(wa, wb), wc);
+  // On an edge, for all that rounding tells, t is only that of some point of the triangle.
+  const HR_INTL in_range = (hits->t_det >= 0.0f) & (hits->t_det <= hits->det * (t_far * HR_SLAB_PAD));
+  HR_INTL met = ((least >= 0.0f) | (most <= 0.0f)) & (in_range | (least * most == 0.0f));
 #else
   const HR_FLOATL ox = HR_ROW(0) - ray->origin.x, oy = HR_ROW(1) - ray->origin.y, oz = HR_ROW(2) - ray->origin.z;
   const HR_FLOATL e1x = HR_ROW(3), e1y = HR_ROW(4), e1z = HR_ROW(5);
