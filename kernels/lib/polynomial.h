@@ -14,6 +14,7 @@
 #define HR_LIB_POLYNOMIAL_H
 
 #include "lib/double_float.h"
+#include "lib/vec.h"
 #include "shared/polynomial_types.h"
 
 #ifdef cl_khr_fp64
@@ -63,6 +64,13 @@
 
 #if defined(cl_khr_fp64) && !defined(HR_FORCE_DOUBLE_FLOAT)
 #define HR_WIDE(name) name##_d
+#define HR_WIDE_NUM double
+#define HR_WIDE_ERR double
+#define HR_WIDE_OF(x) ((double)(x))
+#define HR_WIDE_HIGH(a) (a)
+#define HR_WIDE_ROUNDED(a) ((float)(a))
+#define HR_WIDE_LINEAR(a, b, c) fma(a, b, c)
+#define HR_WIDE_QUOTIENT(a, b) ((a) / (b))
 #define HR_N(name) name##_d
 #define HR_NUM double
 #define HR_ERR double
@@ -85,6 +93,13 @@
 #include "lib/poly_all.def"
 #else
 #define HR_WIDE(name) name##_q
+#define HR_WIDE_NUM float2
+#define HR_WIDE_ERR float
+#define HR_WIDE_OF(x) ((float2)((float)(x), 0.0f))
+#define HR_WIDE_HIGH(a) ((a).x)
+#define HR_WIDE_ROUNDED(a) ((a).x + (a).y)
+#define HR_WIDE_LINEAR(a, b, c) df_add(df_mul(a, b), c)
+#define HR_WIDE_QUOTIENT(a, b) df_div(a, b)
 #define HR_N(name) name##_q
 #define HR_NUM float2
 #define HR_ERR float
