@@ -41,7 +41,26 @@ kernel void first_hits(global const uint4* tapes, global const Implicit* surface
   found[3 * i + 1] = (float4)(n, 0);
   found[3 * i + 2] = (float4)(error, 0);
 }
+kernel void polynomials(global const uint4* tapes, global const Implicit* surface, global const float4* ray_of,
+                        global float2* found) {
+  const uint i = (uint)get_global_id(0);
+  const real3 o = ray_of[2 * i].xyz, d = ray_of[2 * i + 1].xyz;
+  Poly_f p;
+  poly_along_f(tapes, surface, o, d, 3.0f, 2.0f, HR_MAX_DEGREE, &p);
+  HR_WIDE(Poly) w;
+  poly_along_wide(tapes, surface, o, d, HR_WIDE_OF(3), HR_WIDE_OF(2), HR_MAX_DEGREE, &w);
+  for (uint k = 0; k < HR_COEFFICIENTS; k++) {
+    found[36 * i + k] = (float2)(k <= p.degree ? p.c[k] : 0, 0);
+    found[36 * i + 18 + k] = k <= w.degree ? as_two(w.c[k]) : (float2)(0);
+  }
+  found[36 * i + 17] = (float2)(p.error, 0);
+  found[36 * i + 35] = (float2)((float)w.error, 0);
+}
 )";
+const std::string kAsTwo =
+    "#include \"lib/implicit.h\"\n#define poly_along_wide HR_WIDE(poly_along)\n#ifdef HR_FORCE_DOUBLE_FLOAT\n"
+    "#define as_two(v) (v)\n#else\n#define as_two(v) ((float2)((float)(v), (float)((v) - "
+    "(double)(float)(v))))\n#endif\n";
 
 struct Form {
   const char* name;
@@ -179,26 +198,38 @@ struct Answers {
   std::vector<std::uint32_t> open;
 };
 
-Answers shoot(const Expression& expression, const shared::Implicit& surface, const std::vector<Shot>& shots,
-              const std::string& defines) {
+// One kernel of the probe over all shots, and what it found.
+template <typename T>
+std::vector<T> run(const std::string& kernel, const Expression& expression, const shared::Implicit& surface,
+                   const std::vector<Shot>& shots, const std::string& defines, std::size_t each,
+                   std::vector<std::uint32_t>* open_regions) {
   std::vector<shared::float4> rays;
   for (const Shot& s : shots) {
     rays.push_back({s.origin.x, s.origin.y, s.origin.z, s.t_min});
     rays.push_back({s.direction.x, s.direction.y, s.direction.z, 0});
   }
-  const test::KernelFolder folder("probe/hits.cl", defines + kProbe);
+  const test::KernelFolder folder("probe/hits.cl", defines + kAsTwo + kProbe);
   Context context(choose_device(""));
   Program program(context, "hits", {"probe/hits.cl"}, {});
   const std::vector<shared::Implicit> one = {surface};
   const Buffer<shared::uint4> tapes(context, "tapes", std::span<const shared::uint4>(expression.tape));
   const Buffer<shared::Implicit> device_surface(context, "surface", std::span<const shared::Implicit>(one));
   const Buffer<shared::float4> ray_of(context, "rays", std::span<const shared::float4>(rays));
-  const Buffer<shared::float4> found(context, "found", 3 * shots.size());
+  const Buffer<T> found(context, "found", each * shots.size());
   const Buffer<std::uint32_t> open(context, "open", shots.size());
-  launch(context, program.kernel("first_hits"), shots.size(),
-         arguments(arg("tapes", tapes), arg("surface", device_surface), arg("ray_of", ray_of), arg("found", found),
-                   arg("open", open)));
-  return {found.read(), open.read()};
+  Arguments all =
+      arguments(arg("tapes", tapes), arg("surface", device_surface), arg("ray_of", ray_of), arg("found", found));
+  if (open_regions) all.push_back(arg("open", open));
+  launch(context, program.kernel(kernel), shots.size(), all);
+  if (open_regions) *open_regions = open.read();
+  return found.read();
+}
+
+Answers shoot(const Expression& expression, const shared::Implicit& surface, const std::vector<Shot>& shots,
+              const std::string& defines) {
+  Answers answers;
+  answers.found = run<shared::float4>("first_hits", expression, surface, shots, defines, 3, &answers.open);
+  return answers;
 }
 
 struct Tally {
@@ -369,6 +400,40 @@ TEST_CASE("implicit surfaces: no first root is missed and none invented") {
         CHECK(tally.invented == 0);
         CHECK(tally.hits > shots.size() / 4);
         CHECK(static_cast<double>(tally.open) <= form.most_open * static_cast<double>(shots.size()) + 1.0);
+      }
+    }
+  }
+}
+
+TEST_CASE("implicit surfaces: the bound of the coefficients' error holds, and is not idle") {
+  Places places(12);
+  for (const Form& form : forms()) {
+    const Expression expression = parse_expression(form.text, form.constants);
+    const shared::Implicit surface = place(form, expression, DMat3(1.0), 0.7, DVec3(0.3, -0.2, 5.0));
+    std::vector<Shot> shots;
+    for (int i = 0; i < 200; i++) {
+      const DVec3 from = DVec3(0.3, -0.2, 5.0) + 3.0 * places.direction();
+      shots.push_back({Vec3(from), Vec3(-glm::normalize(from + 0.1 * places.in_cube(1.0)))});
+    }
+    for (const bool wide : {false, true}) {
+      for (const std::string defines : {"", "#define HR_FORCE_DOUBLE_FLOAT\n"}) {
+        // Two floats cannot bring back what double knows.
+        if (defines.empty() && (wide || !choose_device("").has_fp64)) continue;
+        const auto found = run<shared::float2>("polynomials", expression, surface, shots, defines, 36, nullptr);
+        double worst = 0.0;
+        for (std::size_t i = 0; i < shots.size(); i++) {
+          const PrecisePolynomial exact = along(expression, surface, shots[i], 3.0, 2.0);
+          const std::size_t first = 36 * i + (wide ? 18 : 0);
+          Precise off = 0;
+          for (std::size_t k = 0; k <= HR_MAX_DEGREE; k++) {
+            const Precise c = Precise(found[first + k].x) + Precise(found[first + k].y);
+            off += abs(Precise(c - (k < exact.size() ? exact[k] : Precise(0))));
+          }
+          worst = std::max(worst, static_cast<double>(off) / double{found[first + 17].x});
+        }
+        INFO(form.name << (wide ? ", wide " : ", float ") << defines << ": largest error " << worst << " of its bound");
+        CHECK(worst <= 1.0);
+        if (!wide) CHECK(worst > 0.05);
       }
     }
   }
