@@ -55,8 +55,8 @@ inline constexpr std::uint32_t kNoPrimitive = 0xffffffffU;
 /// A ray's closest hit.
 struct Hit {
   float t;                  ///< [lengths of the ray's direction]
-  float u, v;               ///< barycentric weights of the triangle's second and third vertex
-  std::uint32_t primitive;  ///< triangles in file order, then spheres, then planes; kNoPrimitive for a miss
+  float u, v;               ///< barycentric weights of the triangle's second and third vertex; not for other surfaces
+  std::uint32_t primitive;  ///< triangles in file order, then spheres, shapes, planes; kNoPrimitive for a miss
   [[nodiscard]] bool found() const { return primitive != kNoPrimitive; }
 };
 

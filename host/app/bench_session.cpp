@@ -40,10 +40,12 @@ bench::BenchScene file_scene(const std::string& file, std::vector<std::string>& 
   bench::BenchScene measured{file, flatten_scene(scene), {}};
   FlatScene& flat = measured.flat;
   if (flat.triangles.empty()) throw InputError(file, "has no triangles, which is what the benchmark measures");
-  if (!flat.spheres.empty() || !flat.planes.empty()) {
-    notes.push_back(fmt::format("{}: measured without its {} spheres and {} planes", file, flat.spheres.size(),
-                                flat.planes.size()));
+  if (!flat.spheres.empty() || !flat.shapes.empty() || !flat.planes.empty()) {
+    const std::string shapes = flat.shapes.empty() ? "" : fmt::format(", {} other shapes", flat.shapes.size());
+    notes.push_back(fmt::format("{}: measured without its {} spheres{} and {} planes", file, flat.spheres.size(),
+                                shapes, flat.planes.size()));
     flat.spheres.clear();
+    flat.shapes.clear();
     flat.planes.clear();
   }
   measured.view = bench::camera_view(scene, flat);

@@ -92,9 +92,9 @@ class AccelBuilder {
   Scratch scratch_;
 };
 
-/// A BVH, or a tree of cells, over a scene's triangles and spheres, wholly built on the device. Where the scene has
-/// instances, each mesh they share has a tree of its own behind the world's, and the last tree is over the instances.
-/// The DeviceScene and the builder must outlive it. The same scene and options give the same bytes.
+/// A BVH, or a tree of cells, over a scene's triangles, spheres and shapes, wholly built on the device. Where the scene
+/// has instances, each mesh they share has a tree of its own behind the world's, and the last tree is over the
+/// instances. The DeviceScene and the builder must outlive it. The same scene and options give the same bytes.
 class Accel {
  public:
   /// Bounds, Morton codes, radix sort, binary tree, collapse, leaf blocks. Throws DeviceError; InputError for options

@@ -116,7 +116,7 @@ AccelMemory predict_accel_bytes(std::uint64_t primitives, const AccelOptions& op
 }
 
 AccelMemory predict_accel_bytes(const FlatScene& flat, const AccelOptions& options, const DeviceProfile& profile) {
-  const std::uint64_t world = flat.world_triangles() + flat.spheres.size();
+  const std::uint64_t world = flat.world_triangles() + flat.spheres.size() + flat.shapes.size();
   AccelMemory all = predict_accel_bytes(world, options, profile);
   if (flat.instances.empty()) return all;
   // The sort's digit counts are kept once for all trees.

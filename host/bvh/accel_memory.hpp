@@ -34,8 +34,8 @@ struct AccelMemory {
   std::uint64_t scratch = 0;  ///< what a builder that keeps its working memory holds beside the tree
 };
 
-/// For `primitives` triangles and spheres of usual shape: how full the blocks get depends on the scene, so the tree is
-/// an estimate; what the build works in is known. A tree of cells is an estimate altogether.
+/// For `primitives` triangles, spheres and shapes as they usually lie: how full the blocks get depends on the scene, so
+/// the tree is an estimate; what the build works in is known. A tree of cells is an estimate altogether.
 AccelMemory predict_accel_bytes(std::uint64_t primitives, const AccelOptions& options, const DeviceProfile& profile);
 
 /// The peak of a build whose builder keeps its working memory, and holds so much of it before: `held` bytes.

@@ -21,8 +21,8 @@ struct ClosestPoints {
   std::vector<std::uint32_t> primitives;  ///< triangles, then spheres; HR_NO_PRIMITIVE if none
 };
 
-/// Closest points on a scene's triangles and spheres (their surfaces; unbounded planes are left out). Boxes of the tree
-/// are discarded by their distance. The scene and its tree must outlive it.
+/// Closest points on a scene's triangles and spheres (their surfaces; shapes and planes are left out). Boxes of the
+/// tree are discarded by their distance. The scene and its tree must outlive it.
 class NearestQueries {
  public:
   /// Throws InputError if the tree is not a BVH, or the scene has instances.

@@ -27,6 +27,7 @@ shared::RenderParams query_params(const DeviceScene& scene) {
   shared::RenderParams params{};
   params.triangle_count = scene.triangle_count();
   params.sphere_count = scene.sphere_count();
+  params.shape_count = scene.shape_count();
   params.plane_count = scene.plane_count();
   params.instance_count = scene.instance_count();
   return params;

@@ -79,6 +79,7 @@ shared::RenderParams RenderSetup::params(const DeviceScene& device_scene) const 
   params.max_depth = static_cast<std::uint32_t>(depth);
   params.triangle_count = device_scene.triangle_count();
   params.sphere_count = device_scene.sphere_count();
+  params.shape_count = device_scene.shape_count();
   params.plane_count = device_scene.plane_count();
   params.light_count = device_scene.light_count();
   params.emitter_count = device_scene.emitter_count();

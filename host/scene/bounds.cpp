@@ -3,10 +3,13 @@
 
 #include <algorithm>
 
+#include "host/scene/shape_geometry.hpp"
+
 namespace hemiray {
 namespace {
 
-// Calls add_point(p_world) for every corner of a triangle and of a visible area light, and add_sphere(center, radius).
+// Calls add_point(p_world) for every corner of a triangle, of a visible area light and of a shape's box, and
+// add_sphere(center, radius).
 template <typename AddPoint, typename AddSphere>
 void visit(const Scene& scene, AddPoint add_point, AddSphere add_sphere) {
   for (const Object& object : scene.objects) {
@@ -25,6 +28,13 @@ void visit(const Scene& scene, AddPoint add_point, AddSphere add_sphere) {
     add_point(light.position + light.edge_u + light.edge_v);
   }
   for (const Sphere& sphere : scene.spheres) add_sphere(sphere.center, sphere.radius);
+  for (const Shape& shape : scene.shapes) {
+    const WorldBounds box = shape_bounds(shape);
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      add_point(DVec3((corner & 1U) != 0 ? box.max.x : box.min.x, (corner & 2U) != 0 ? box.max.y : box.min.y,
+                      (corner & 4U) != 0 ? box.max.z : box.min.z));
+    }
+  }
 }
 
 }  // namespace

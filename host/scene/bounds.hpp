@@ -20,8 +20,8 @@ struct WorldBounds {
   }
 };
 
-/// Bounds of all objects' triangles, spheres and visible area lights. Planes are unbounded and do not count. Indices
-/// must be in range.
+/// Bounds of all objects' triangles, spheres, shapes and visible area lights. Planes are unbounded and do not count.
+/// Indices must be in range.
 WorldBounds world_bounds(const Scene& scene);
 
 /// The smallest radius [m] of a sphere around `center` that holds everything world_bounds() counts; 0 for nothing.

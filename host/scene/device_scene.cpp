@@ -37,8 +37,8 @@ std::uint64_t predict_scene_bytes(const FlatScene& flat, std::uint32_t features)
     return has_feature(features, feature) ? bytes : 0;
   };
   constexpr std::uint64_t kSrgbTable = 256 * sizeof(float);
-  return bytes_of(flat.positions) + bytes_of(flat.triangles) + bytes_of(flat.spheres) + bytes_of(flat.materials) +
-         if_on(HR_FEATURE_TRIANGLES, bytes_of(flat.triangle_objects)) +
+  return bytes_of(flat.positions) + bytes_of(flat.triangles) + bytes_of(flat.spheres) + bytes_of(flat.shapes) +
+         bytes_of(flat.materials) + if_on(HR_FEATURE_TRIANGLES, bytes_of(flat.triangle_objects)) +
          if_on(HR_FEATURE_SMOOTH_NORMALS, bytes_of(flat.normals)) +
          if_on(HR_FEATURE_VERTEX_COLORS, bytes_of(flat.colors)) + if_on(HR_FEATURE_PLANES, bytes_of(flat.planes)) +
          if_on(HR_FEATURE_INSTANCES, bytes_of(flat.instances)) + if_on(HR_FEATURE_LIGHTS, bytes_of(flat.lights)) +
@@ -50,6 +50,7 @@ DeviceScene::DeviceScene(Context& context, const FlatScene& flat, std::uint32_t 
     : features_(features),
       triangle_count_(flat.world_triangles()),
       sphere_count_(static_cast<std::uint32_t>(flat.spheres.size())),
+      shape_count_(static_cast<std::uint32_t>(flat.shapes.size())),
       plane_count_(static_cast<std::uint32_t>(flat.planes.size())),
       light_count_(static_cast<std::uint32_t>(flat.lights.size())),
       emitter_count_(static_cast<std::uint32_t>(flat.emitters.size())),
@@ -63,6 +64,7 @@ DeviceScene::DeviceScene(Context& context, const FlatScene& flat, std::uint32_t 
   positions_ = upload_if(true, context, "positions", flat.positions);
   triangles_ = upload_if(true, context, "triangles", flat.triangles);
   spheres_ = upload_if(true, context, "spheres", flat.spheres);
+  shapes_ = upload_if(true, context, "shapes", flat.shapes);
   materials_ = upload_if(true, context, "materials", flat.materials);
   triangle_objects_ = upload_if(has(HR_FEATURE_TRIANGLES), context, "triangle_objects", flat.triangle_objects);
   normals_ = upload_if(has(HR_FEATURE_SMOOTH_NORMALS), context, "normals", flat.normals);
@@ -79,11 +81,12 @@ DeviceScene::DeviceScene(Context& context, const FlatScene& flat, std::uint32_t 
 
 Arguments DeviceScene::geometry_arguments() const {
   return arguments(arg("positions", positions_), arg("triangles", triangles_), arg("spheres", spheres_),
-                   arg("triangle_count", triangle_count_));
+                   arg("shapes", shapes_), arg("triangle_count", triangle_count_), arg("sphere_count", sphere_count_));
 }
 
 Arguments DeviceScene::geometry_arguments(const TreeInput& input) const {
   return arguments(arg("positions", positions_), arg("triangles", triangles_), arg("spheres", spheres_),
+                   arg("shapes", shapes_), arg("sphere_count", sphere_count_),
                    arg("triangle_count", input.triangle_count), arg("first_triangle", input.first_triangle));
 }
 

@@ -18,7 +18,7 @@ constexpr std::array<const char*, HR_FEATURE_COUNT> kNames = {"triangles",     "
                                                               "reflection",    "refraction",
                                                               "branching",     "fresnel",
                                                               "orthographic",  "phong-shading",
-                                                              "instances"};
+                                                              "instances",     "shapes"};
 
 bool is_positive(const shared::float4& v) { return v.x > 0.0F || v.y > 0.0F || v.z > 0.0F; }
 
@@ -66,6 +66,7 @@ std::uint32_t features_of(const Scene& scene, const FlatScene& flat, int depth) 
   std::uint32_t mask = 0;
   if (!flat.triangles.empty()) mask |= HR_FEATURE_TRIANGLES;
   if (!flat.spheres.empty()) mask |= HR_FEATURE_SPHERES;
+  if (!flat.shapes.empty()) mask |= HR_FEATURE_SHAPES;
   if (!flat.planes.empty()) mask |= HR_FEATURE_PLANES;
   if (!flat.normals.empty()) mask |= HR_FEATURE_SMOOTH_NORMALS;
   if (!flat.colors.empty()) mask |= HR_FEATURE_VERTEX_COLORS;
@@ -87,6 +88,7 @@ std::uint32_t features_of(const Scene& scene, const FlatScene& flat, int depth) 
     for (const shared::uint4& t : triangles.subspan(mesh.first_triangle, mesh.triangle_count)) used[t.w] = true;
   }
   for (const shared::Sphere& s : flat.spheres) used[s.material] = true;
+  for (const shared::Shape& s : flat.shapes) used[s.material] = true;
   for (const shared::Plane& p : flat.planes) used[p.material] = true;
   for (std::size_t i = 0; i < used.size(); i++) {
     if (used[i]) mask |= material_features(flat.materials[i], !flat.uvs.empty(), depth);

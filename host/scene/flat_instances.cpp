@@ -69,7 +69,7 @@ void check_room(const FlatScene& flat, const Mesh& mesh) {
 
 void append_instances(const Scene& scene, const std::vector<bool>& instanced, const Attributes& needed,
                       FlatScene& flat) {
-  std::uint64_t next_id = flat.triangles.size() + flat.spheres.size() + flat.planes.size();
+  std::uint64_t next_id = flat.triangles.size() + flat.spheres.size() + flat.shapes.size() + flat.planes.size();
   std::vector<std::uint32_t> place_of(scene.meshes.size(), kUnplaced);  // among the shared meshes
   for (std::size_t i = 0; i < scene.objects.size(); i++) {
     if (!instanced[i]) continue;

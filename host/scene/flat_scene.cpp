@@ -6,6 +6,7 @@
 #include "host/base/error.hpp"
 #include "host/scene/flat_instances.hpp"
 #include "host/scene/flat_lights.hpp"
+#include "host/scene/shape_geometry.hpp"
 
 namespace hemiray {
 namespace {
@@ -141,6 +142,10 @@ FlatScene flatten_scene(const Scene& scene, Instancing instancing) {
     s.material = sphere.material;
     s.object = object_index++;
     flat.spheres.push_back(s);
+  }
+  for (const Shape& shape : scene.shapes) {
+    flat.shapes.push_back(flatten_shape(shape));
+    flat.shapes.back().object = object_index++;
   }
   for (const Plane& plane : scene.planes) {
     shared::Plane p{};

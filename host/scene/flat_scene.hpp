@@ -17,10 +17,10 @@ struct SharedMesh {
   std::uint32_t triangle_count = 0;
 };
 
-/// Primitive indices: triangles (of the objects in order, then two for each visible area light), spheres, planes, and
-/// then every instance's triangles, one instance after the other. Triangles of shared meshes, in object space like
-/// their vertices, stand behind the world's own; only as parts of instances are they primitives. Object indices:
-/// Scene::objects, spheres, planes, visible area lights, in that order.
+/// Primitive indices: triangles (of the objects in order, then two for each visible area light), spheres, shapes,
+/// planes, and then every instance's triangles, one instance after the other. Triangles of shared meshes, in object
+/// space like their vertices, stand behind the world's own; only as parts of instances are they primitives. Object
+/// indices: Scene::objects, spheres, shapes, planes, visible area lights, in that order.
 struct FlatScene {
   std::vector<float> positions;  ///< 3 a vertex, world [m]
   std::vector<float> normals;    ///< 3 a vertex, world, zero where flat; empty if no mesh has normals
@@ -29,6 +29,7 @@ struct FlatScene {
   std::vector<shared::uint4> triangles;         ///< vertex indices, material
   std::vector<std::uint32_t> triangle_objects;  ///< of the world's own
   std::vector<shared::Sphere> spheres;
+  std::vector<shared::Shape> shapes;
   std::vector<shared::Plane> planes;
   std::vector<shared::Material> materials;
   std::vector<shared::Light> lights;

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "host/scene/json_values.hpp"
 #include "host/scene/scene.hpp"
@@ -45,6 +46,12 @@ void read_object(const JsonNode& node, JsonBuild& build);
 
 /// Appends an object of "type": "mesh" (in host/scene/json_mesh.cpp).
 void read_mesh_object(const JsonNode& node, JsonBuild& build);
+
+/// Appends an object of type "disk", "cylinder", "cone" or "quadric" (in host/scene/json_shape.cpp).
+void read_shape_object(const JsonNode& node, std::string_view type, JsonBuild& build);
+
+/// Throws InputError if the material an object names has a texture, which objects of that kind cannot show.
+void refuse_textures(const JsonNode& object, const Material& material, std::string_view kind);
 
 /// Reads "name" if there.
 std::string read_name(const JsonNode& node);

@@ -70,6 +70,37 @@ constexpr auto kPlane = std::to_array<JsonKey>(
     {{"type", kRequired}, {"name"}, {"point", kRequired}, {"normal", kRequired}, {"material"}, {"transform"}});
 constexpr auto kSphere = std::to_array<JsonKey>(
     {{"type", kRequired}, {"name"}, {"center", kRequired}, {"radius", kRequired}, {"material"}, {"transform"}});
+constexpr auto kDisk = std::to_array<JsonKey>({{"type", kRequired},
+                                               {"name"},
+                                               {"center", kRequired},
+                                               {"normal", kRequired},
+                                               {"radius", kRequired},
+                                               {"material"},
+                                               {"transform"}});
+constexpr auto kCylinder = std::to_array<JsonKey>({{"type", kRequired},
+                                                   {"name"},
+                                                   {"from", kRequired},
+                                                   {"to", kRequired},
+                                                   {"radius", kRequired},
+                                                   {"caps"},
+                                                   {"material"},
+                                                   {"transform"}});
+constexpr auto kCone = std::to_array<JsonKey>({{"type", kRequired},
+                                               {"name"},
+                                               {"from", kRequired},
+                                               {"to", kRequired},
+                                               {"radius_from", kRequired},
+                                               {"radius_to"},
+                                               {"caps"},
+                                               {"material"},
+                                               {"transform"}});
+constexpr auto kQuadric = std::to_array<JsonKey>(
+    {{"type", kRequired}, {"name"}, {"coefficients", kRequired}, {"center"}, {"clip"}, {"material"}, {"transform"}});
+constexpr auto kCoefficients =
+    std::to_array<JsonKey>({{"x2"}, {"y2"}, {"z2"}, {"xy"}, {"yz"}, {"zx"}, {"x"}, {"y"}, {"z"}, {"1"}});
+constexpr auto kClip = std::to_array<JsonKey>({{"box"}, {"sphere"}});
+constexpr auto kClipBox = std::to_array<JsonKey>({{"min", kRequired}, {"max", kRequired}});
+constexpr auto kClipSphere = std::to_array<JsonKey>({{"center"}, {"radius", kRequired}});
 constexpr auto kBox = std::to_array<JsonKey>(
     {{"type", kRequired}, {"name"}, {"min", kRequired}, {"max", kRequired}, {"material"}, {"transform"}});
 constexpr auto kPoint =
@@ -104,11 +135,20 @@ constexpr auto kTables = std::to_array<JsonKeyTable>({{"scene", kScene},
                                                       {"plane", kPlane},
                                                       {"sphere", kSphere},
                                                       {"box", kBox},
+                                                      {"disk", kDisk},
+                                                      {"cylinder", kCylinder},
+                                                      {"cone", kCone},
+                                                      {"quadric", kQuadric},
+                                                      {"coefficients", kCoefficients},
+                                                      {"clip", kClip},
+                                                      {"clip_box", kClipBox},
+                                                      {"clip_sphere", kClipSphere},
                                                       {"point", kPoint},
                                                       {"directional", kDirectional},
                                                       {"spot", kSpot},
                                                       {"area", kArea}});
-constexpr auto kObjectTypes = std::to_array<std::string_view>({"mesh", "quad", "plane", "sphere", "box"});
+constexpr auto kObjectTypes =
+    std::to_array<std::string_view>({"mesh", "quad", "plane", "sphere", "box", "disk", "cylinder", "cone", "quadric"});
 constexpr auto kLightTypes = std::to_array<std::string_view>({"point", "directional", "spot", "area"});
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The elements of "objects" of a JSON scene other than meshes: quads, boxes, spheres, planes.
+// The elements of "objects" of a JSON scene other than meshes and shapes: quads, boxes, spheres, planes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -125,13 +125,6 @@ void read_box(const JsonNode& node, JsonBuild& build) {
   add_mesh(node, build, std::move(mesh), read_material_of(node, build));
 }
 
-void refuse_textures(const JsonNode& node, const Material& material, std::string_view kind) {
-  if (!has_texture(material)) return;
-  node.at("material")
-      .fail(fmt::format("a {} has no texture coordinates, but material {} has a texture", kind,
-                        in_quotes(material.name)));
-}
-
 void read_sphere(const JsonNode& node, JsonBuild& build) {
   Sphere sphere;
   sphere.name = read_name(node);
@@ -175,6 +168,13 @@ void read_plane(const JsonNode& node, JsonBuild& build) {
 
 }  // namespace
 
+void refuse_textures(const JsonNode& node, const Material& material, std::string_view kind) {
+  if (!has_texture(material)) return;
+  node.at("material")
+      .fail(fmt::format("a {} has no texture coordinates, but material {} has a texture", kind,
+                        in_quotes(material.name)));
+}
+
 std::string read_name(const JsonNode& node) {
   const auto name = node.find("name");
   return name ? read_string(*name) : std::string();
@@ -192,8 +192,10 @@ void read_object(const JsonNode& node, JsonBuild& build) {
     read_plane(node, build);
   } else if (type == "sphere") {
     read_sphere(node, build);
-  } else {
+  } else if (type == "box") {
     read_box(node, build);
+  } else {
+    read_shape_object(node, type, build);
   }
 }
 

@@ -1,6 +1,7 @@
 // The scene as plain data: what a loader produces and everything else reads. No device, no behaviour.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -84,6 +85,31 @@ struct Sphere {
   std::uint32_t material = 0;
 };
 
+enum class ShapeKind { disk, cylinder, cone, quadric };
+enum class Clip { none, box, sphere };
+
+/// A finite curved surface, or a disk, in a frame of its own (lengths there: own units), which `to_world` places.
+///   disk            z = 0 within `radius`; its front is where z > 0
+///   cylinder, cone  round the z axis from z = -half_height, where its radius is `radius`, to half_height and
+///                   `upper_radius` (of a cylinder the same); closed by disks if `capped`
+///   quadric         where the polynomial with these coefficients is 0, inside of `clip`; its front is where that is >
+///   0
+struct Shape {
+  std::string name;
+  ShapeKind kind = ShapeKind::disk;
+  DMat4 to_world{1.0};
+  double radius = 1.0;
+  double upper_radius = 1.0;
+  double half_height = 0.5;
+  bool capped = true;
+  std::array<double, 10> coefficients{};  ///< of x^2, y^2, z^2, xy, yz, zx, x, y, z and 1
+  Clip clip = Clip::none;
+  DVec3 clip_center{0.0};
+  DVec3 clip_half{1.0};  ///< half sizes of a box
+  double clip_radius = 1.0;
+  std::uint32_t material = 0;
+};
+
 /// An unbounded plane; its front is where `normal` points.
 struct Plane {
   std::string name;
@@ -141,6 +167,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Object> objects;
   std::vector<Sphere> spheres;
+  std::vector<Shape> shapes;
   std::vector<Plane> planes;
   std::vector<Light> lights;
   bool has_camera = false;              ///< false: finish_scene() frames the bounds

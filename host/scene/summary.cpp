@@ -33,6 +33,25 @@ void count_lights(const Scene& scene, SceneSummary& summary) {
   summary.emissive_objects = count_emitters(scene);
 }
 
+void count_shapes(const Scene& scene, SceneSummary& summary) {
+  for (const Shape& shape : scene.shapes) {
+    switch (shape.kind) {
+      case ShapeKind::disk:
+        ++summary.disks;
+        break;
+      case ShapeKind::cylinder:
+        ++summary.cylinders;
+        break;
+      case ShapeKind::cone:
+        ++summary.cones;
+        break;
+      case ShapeKind::quadric:
+        ++summary.quadrics;
+        break;
+    }
+  }
+}
+
 void count_instances(const Scene& scene, SceneSummary& summary) {
   const std::vector<bool> instanced = instanced_objects(scene, Instancing::automatic);
   std::vector<bool> counted(scene.meshes.size(), false);
@@ -72,6 +91,7 @@ SceneSummary summarize(const Scene& scene) {
   }
   count_instances(scene, summary);
   summary.spheres = scene.spheres.size();
+  count_shapes(scene, summary);
   summary.planes = scene.planes.size();
   count_lights(scene, summary);
   summary.materials = scene.materials.size();
@@ -97,7 +117,13 @@ std::string summary_text(const SceneSummary& s) {
     text += fmt::format("  {:<10} {}\n", name, value);
   };
   row("image", fmt::format("{} x {} pixels", s.width, s.height));
-  row("geometry", list_counts({{s.objects, "object"}, {s.spheres, "sphere"}, {s.planes, "plane"}}));
+  row("geometry", list_counts({{s.objects, "object"},
+                               {s.spheres, "sphere"},
+                               {s.disks, "disk"},
+                               {s.cylinders, "cylinder"},
+                               {s.cones, "cone"},
+                               {s.quadrics, "quadric"},
+                               {s.planes, "plane"}}));
   row("triangles", fmt::format("{} over {} in {}", format_count(s.triangles), format_count(s.vertices) + " vertices",
                                s.meshes == 1 ? "1 mesh" : format_count(s.meshes) + " meshes"));
   if (s.instances > 0) {
@@ -135,6 +161,10 @@ std::string summary_json(const SceneSummary& s) {
                                        {"instances", s.instances},
                                        {"unique_triangles", s.unique_triangles},
                                        {"spheres", s.spheres},
+                                       {"disks", s.disks},
+                                       {"cylinders", s.cylinders},
+                                       {"cones", s.cones},
+                                       {"quadrics", s.quadrics},
                                        {"planes", s.planes},
                                        {"point_lights", s.point_lights},
                                        {"directional_lights", s.directional_lights},

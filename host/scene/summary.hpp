@@ -19,6 +19,10 @@ struct SceneSummary {
   std::uint64_t instances = 0;         ///< objects that share their mesh's triangles on the device
   std::uint64_t unique_triangles = 0;  ///< on the device: those of shared meshes once
   std::uint64_t spheres = 0;
+  std::uint64_t disks = 0;
+  std::uint64_t cylinders = 0;
+  std::uint64_t cones = 0;
+  std::uint64_t quadrics = 0;
   std::uint64_t planes = 0;
   std::uint64_t point_lights = 0;
   std::uint64_t directional_lights = 0;

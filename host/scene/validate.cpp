@@ -8,6 +8,7 @@
 #include "host/scene/bounds.hpp"
 #include "host/scene/json_values.hpp"
 #include "host/scene/load.hpp"
+#include "host/scene/shape_geometry.hpp"
 
 namespace hemiray {
 namespace {
@@ -27,6 +28,7 @@ class Validator {
     for (std::size_t i = 0; i < scene_.meshes.size(); ++i) mesh(scene_.meshes[i], place("meshes", i));
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) object(scene_.objects[i], place("objects", i));
     for (std::size_t i = 0; i < scene_.spheres.size(); ++i) sphere(scene_.spheres[i], place("spheres", i));
+    for (std::size_t i = 0; i < scene_.shapes.size(); ++i) shape(scene_.shapes[i], place("shapes", i));
     for (std::size_t i = 0; i < scene_.planes.size(); ++i) plane(scene_.planes[i], place("planes", i));
     for (std::size_t i = 0; i < scene_.lights.size(); ++i) light(scene_.lights[i], place("lights", i));
   }
@@ -160,6 +162,14 @@ class Validator {
     require(coordinates(s.center), where + "/center", "not finite, or beyond 1e18 m");
     require(s.radius > 0.0 && s.radius <= kMaxCoordinate, where + "/radius", "must be positive and at most 1e18 m");
     material_index(s.material, where + "/material");
+  }
+
+  void shape(const Shape& s, const std::string& where) const {
+    const std::string fault = shape_fault(s);
+    if (!fault.empty()) fail(where, fault);
+    material_index(s.material, where + "/material");
+    require(scene_.materials[s.material].emission == Vec3(0.0F), where + "/material",
+            "of the curved surfaces only spheres can emit");
   }
 
   void plane(const Plane& p, const std::string& where) const {

@@ -188,24 +188,21 @@ kernel void bvh_copy_records(global const uint2* restrict records, const uint co
 }
 
 // Fills the blocks of one level's leaves with geometry; unused lanes hold NaN, which no ray meets. Launch: G items.
-kernel void bvh_fill_leaves(global const float* restrict positions, global const uint4* restrict triangles,
-                            global const Sphere* restrict spheres, const uint triangle_count,
-                            global const ulong* restrict keys, const uint index_bits,
+kernel void bvh_fill_leaves(HR_GEOMETRY_PARAMETERS global const ulong* restrict keys, const uint index_bits,
                             global const uint4* restrict leaves, const uint leaf_count,
                             global const uint* restrict leaf_references, global float* restrict accel_blocks) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
-  const Primitive none = {(float4)(NAN), (float4)(NAN), (float4)(NAN)};
+  HR_MAKE_GEOMETRY(0)
   const uint end = chunk_begin(leaf_count, g + 1, groups);
   for (uint l = chunk_begin(leaf_count, g, groups); l < end; l++) {
     const uint4 leaf = leaves[l];
     global float* block = accel_blocks + (ulong)leaf.z * (HR_BLOCK_ROWS * HR_L);
     for (uint i = 0; i < leaf.w * HR_L; i++) {
       if (i >= leaf.y) {
-        write_lane(block, i % HR_L, none, false, HR_NO_PRIMITIVE);
+        write_lane(block, i % HR_L, no_primitive(), HR_NO_PRIMITIVE);
       } else {
         const uint primitive = (uint)(keys[leaf_references[leaf.x + i]] & ((1ul << index_bits) - 1));
-        const Primitive p = load_primitive(positions, triangles, spheres, triangle_count, primitive);
-        write_lane(block, i % HR_L, p, primitive < triangle_count, primitive);
+        write_lane(block, i % HR_L, load_primitive(&geometry, primitive), primitive);
       }
       if (i % HR_L == HR_L - 1) block += HR_BLOCK_ROWS * HR_L;
     }

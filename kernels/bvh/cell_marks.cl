@@ -9,7 +9,7 @@ static inline Box widened(Box box, float pad) {
 }
 
 // The parts of the cell that a primitive touches which touches the cell: at least one.
-static inline uint touched_parts(const SpaceCell* cell, Primitive p, bool is_triangle, Box box, float pad, float unit) {
+static inline uint touched_parts(const SpaceCell* cell, Primitive p, Box box, float pad, float unit) {
   uint near = 0, touched = 0;
 #if HR_ACCEL == HR_ACCEL_OCTREE
   uint sides[3];  // 1: below, 2: above
@@ -29,16 +29,14 @@ static inline uint touched_parts(const SpaceCell* cell, Primitive p, bool is_tri
   for (uint part = 0; part < HR_CELL_PARTS; part++) {
     if (!(near >> part & 1)) continue;
     const Box wide = widened(part_box(cell, part), pad);
-    if (boxes_touch(box, wide) && primitive_touches_cell(p, is_triangle, wide, unit)) touched |= 1u << part;
+    if (boxes_touch(box, wide) && primitive_touches_cell(p, wide, unit)) touched |= 1u << part;
   }
   return touched != 0 ? touched : near;
 }
 
 // marks[r] = parts of its cell that reference r touches, a bit each. Counters: prefix for each cell that begins in the
 // chunk, totals[k G + g] for the chunk (lib/space_cell.h). Launch: G items.
-kernel void bvh_mark_references(global const float* restrict positions, global const uint4* restrict triangles,
-                                global const Sphere* restrict spheres, const uint triangle_count,
-                                global const ulong* restrict keys, const uint index_bits,
+kernel void bvh_mark_references(HR_GEOMETRY_PARAMETERS global const ulong* restrict keys, const uint index_bits,
                                 global const Box* restrict boxes, global const SpaceCell* restrict cells,
                                 const uint cell_count, global const uint* restrict references,
                                 const uint reference_count, const float pad, const float unit,
@@ -46,6 +44,7 @@ kernel void bvh_mark_references(global const float* restrict positions, global c
                                 global uint* restrict totals) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
   const uint begin = chunk_begin(reference_count, g, groups), end = chunk_begin(reference_count, g + 1, groups);
+  HR_MAKE_GEOMETRY(0)
   uint run[HR_COUNTERS];
   for (uint k = 0; k < HR_COUNTERS; k++) run[k] = 0;
   if (begin < end) {
@@ -58,8 +57,8 @@ kernel void bvh_mark_references(global const float* restrict positions, global c
         prefix[(ulong)c * HR_PREFIX_WORDS + HR_COUNTERS] = g;
       }
       const uint primitive = (uint)(keys[references[r] & ~HR_OWNED] & ((1ul << index_bits) - 1));
-      const Primitive p = load_primitive(positions, triangles, spheres, triangle_count, primitive);
-      const uint touched = touched_parts(&cell, p, primitive < triangle_count, boxes[primitive], pad, unit);
+      const Primitive p = load_primitive(&geometry, primitive);
+      const uint touched = touched_parts(&cell, p, boxes[primitive], pad, unit);
       marks[r] = (uchar)touched;
       for (uint k = 0; k < HR_CELL_PARTS; k++) run[k] += touched >> k & 1;
       run[HR_CELL_PARTS] += references[r] >> 31;

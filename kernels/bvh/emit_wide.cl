@@ -6,13 +6,6 @@
 
 #define HR_MOST_IN_LEAF (HR_MAX_LEAF_BLOCKS * HR_L)
 
-typedef struct Geometry {
-  global const float* positions;
-  global const uint4* triangles;
-  global const Sphere* spheres;
-  uint triangle_count;
-} Geometry;
-
 // The `size` primitives below a binary node.
 static inline void list_primitives(global const BinaryNode* binary, int reference, uint size, int* primitives) {
   primitives[0] = reference;
@@ -31,18 +24,15 @@ static inline void list_primitives(global const BinaryNode* binary, int referenc
 // The primitives into the blocks from number `to` on; unused lanes hold NaN, which no ray meets.
 static inline void write_leaf(const Geometry* geometry, const int* primitives, uint size, const BlockArrays* blocks,
                               uint to) {
-  const Primitive none = {(float4)(NAN), (float4)(NAN), (float4)(NAN)};
   for (uint first = 0; first < size; first += HR_L) {
     global float* block = written_block(blocks, to++);
     for (uint lane = 0; lane < HR_L; lane++) {
       if (first + lane >= size) {
-        write_lane(block, lane, none, false, HR_NO_PRIMITIVE);
+        write_lane(block, lane, no_primitive(), HR_NO_PRIMITIVE);
         continue;
       }
       const uint primitive = (uint)primitives[first + lane];
-      const Primitive p = load_primitive(geometry->positions, geometry->triangles, geometry->spheres,
-                                         geometry->triangle_count, primitive);
-      write_lane(block, lane, p, primitive < geometry->triangle_count, primitive);
+      write_lane(block, lane, load_primitive(geometry, primitive), primitive);
     }
   }
 }
@@ -67,15 +57,13 @@ static inline int instance_reference(int leaf) { return (int)~(((uint)~leaf + 1)
 kernel void bvh_emit_regions(global const BinaryNode* restrict binary, global const uint* restrict cuts,
                              global const float* restrict draft_nodes, global const CollapseRegion* restrict regions,
                              const uint region_count, const uint of_instances, const uint first_node,
-                             const uint first_block, global const float* restrict positions,
-                             global const uint4* restrict triangles, global const Sphere* restrict spheres,
-                             const uint triangle_count, const uint first_triangle,
+                             const uint first_block, HR_GEOMETRY_PARAMETERS const uint first_triangle,
                              HR_MORE_CHUNKS(HR_CHUNK_WRITTEN) global float* restrict accel_nodes,
                              global float* restrict accel_blocks) {
   const uint g = (uint)get_global_id(0);
   if (g >= region_count) return;
   const CollapseRegion region = regions[g];
-  const Geometry geometry = {positions, triangles + first_triangle, spheres, triangle_count};
+  HR_MAKE_GEOMETRY(first_triangle)
   const NodeArrays nodes = {HR_NODE_ARRAYS};
   const BlockArrays blocks = {HR_BLOCK_ARRAYS};
   const uint to_node = region.final_node - first_node, to_block = region.final_block - first_block;

@@ -5,11 +5,10 @@
 
 // boxes[i] = bounds of primitive i (empty if it is dropped); partials[g] = bounds of the valid primitives of chunk g
 // and how many are valid or dropped. Launch: G items.
-kernel void bvh_bound_primitives(global const float* restrict positions, global const uint4* restrict triangles,
-                                 global const Sphere* restrict spheres, const uint triangle_count,
-                                 const uint first_triangle, const uint primitive_count, global Box* restrict boxes,
-                                 global BoundsPartial* restrict partials) {
+kernel void bvh_bound_primitives(HR_GEOMETRY_PARAMETERS const uint first_triangle, const uint primitive_count,
+                                 global Box* restrict boxes, global BoundsPartial* restrict partials) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
+  HR_MAKE_GEOMETRY(first_triangle)
   const Box empty = {(float4)(INFINITY), (float4)(-INFINITY)};
   BoundsPartial p;
   p.lo = empty.lo;
@@ -22,10 +21,9 @@ kernel void bvh_bound_primitives(global const float* restrict positions, global 
   p.pad = 0;
   const uint end = chunk_begin(primitive_count, g + 1, groups);
   for (uint i = chunk_begin(primitive_count, g, groups); i < end; i++) {
-    const bool is_triangle = i < triangle_count;
-    const Primitive primitive = load_primitive(positions, triangles + first_triangle, spheres, triangle_count, i);
-    const Box box = primitive_box(primitive, is_triangle);
-    const uint status = primitive_status(primitive, is_triangle, box);
+    const Primitive primitive = load_primitive(&geometry, i);
+    const Box box = primitive_box(primitive);
+    const uint status = primitive_status(primitive, box);
     p.valid += status == HR_PRIMITIVE_VALID;
     p.non_finite += status == HR_PRIMITIVE_NON_FINITE;
     p.degenerate += status == HR_PRIMITIVE_DEGENERATE;

@@ -34,17 +34,16 @@ static inline uint lane_primitive(global const float* block, uint lane) {
   return ((global const uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L + lane];
 }
 
-// nearest[i]: xyz = the point of the scene's triangles and spheres nearest to queries[i].xyz, w = its distance [m];
-// primitives[i] its primitive. Farther than queries[i].w is not looked; then the point is the query itself, w infinite,
-// the primitive HR_NO_PRIMITIVE. Launch: count items, rounded up to the local size.
+// nearest[i]: xyz = the point of the scene's triangles and spheres (shapes are left out) nearest to queries[i].xyz, w =
+// its distance [m]; primitives[i] its primitive. Farther than queries[i].w is not looked; then the point is the query
+// itself, w infinite, the primitive HR_NO_PRIMITIVE. Launch: count items, rounded up to the local size.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void nearest_on_scene(
-    global const float* restrict positions, global const uint4* restrict triangles,
-    global const Sphere* restrict spheres, const uint triangle_count,
-    HR_TREE_PARAMETERS global const float4* restrict queries, const uint count, global float4* restrict nearest,
-    global uint* restrict primitives) {
+    HR_GEOMETRY_PARAMETERS HR_TREE_PARAMETERS global const float4* restrict queries, const uint count,
+    global float4* restrict nearest, global uint* restrict primitives) {
   const uint i = (uint)get_global_id(0);
   if (i >= count) return;
   HR_MAKE_TREE_VIEW
+  HR_MAKE_GEOMETRY(0)
   const real3 p = param3(queries[i]);
   const real farthest2 = queries[i].w * queries[i].w;
   Nearest best = {farthest2, p, HR_NO_PRIMITIVE};
@@ -63,8 +62,8 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void nearest_o
     for (uint k = 0; k < (leaf & 15u) * HR_L; k++) {
       const uint primitive = lane_primitive(block_at(&view, (leaf >> 4) + k / HR_L), k % HR_L);
       if (primitive == HR_NO_PRIMITIVE) continue;
-      const Primitive one = load_primitive(positions, triangles, spheres, triangle_count, primitive);
-      nearest_on_primitive(one, primitive < triangle_count, primitive, p, &best);
+      const Primitive one = load_primitive(&geometry, primitive);
+      if (one.kind != HR_PRIMITIVE_SHAPE) nearest_on_primitive(one, primitive, p, &best);
     }
   }
   const bool found = best.primitive != HR_NO_PRIMITIVE;

@@ -7,12 +7,10 @@
 #include "lib/tree_chunks.h"
 #include "shared/bvh_types.h"
 
-static inline Box primitive_bounds(global const float* positions, global const uint4* triangles,
-                                   global const Sphere* spheres, uint triangle_count, uint primitive) {
-  const bool is_triangle = primitive < triangle_count;
-  const Primitive p = load_primitive(positions, triangles, spheres, triangle_count, primitive);
-  Box box = primitive_box(p, is_triangle);
-  if (primitive_status(p, is_triangle, box) == HR_PRIMITIVE_NON_FINITE) {
+static inline Box primitive_bounds(const Geometry* geometry, uint primitive) {
+  const Primitive p = load_primitive(geometry, primitive);
+  Box box = primitive_box(p);
+  if (primitive_status(p, box) == HR_PRIMITIVE_NON_FINITE) {
     box.lo = (float4)(INFINITY);
     box.hi = (float4)(-INFINITY);
   }
@@ -20,16 +18,14 @@ static inline Box primitive_bounds(global const float* positions, global const u
 }
 
 // Region first_region + g: its blocks and boxes. Launch: one item a region.
-kernel void bvh_refit_regions(global const float* restrict positions, global const uint4* restrict triangles,
-                              global const Sphere* restrict spheres, const uint triangle_count,
-                              const uint first_triangle, global const CollapseRegion* restrict regions,
-                              const uint first_region, const uint region_count,
-                              HR_MORE_CHUNKS(HR_CHUNK_WRITTEN) global float* accel_nodes,
+kernel void bvh_refit_regions(HR_GEOMETRY_PARAMETERS const uint first_triangle,
+                              global const CollapseRegion* restrict regions, const uint first_region,
+                              const uint region_count, HR_MORE_CHUNKS(HR_CHUNK_WRITTEN) global float* accel_nodes,
                               global float* restrict accel_blocks) {
   const uint g = first_region + (uint)get_global_id(0);
   if (g >= region_count) return;
   const CollapseRegion region = regions[g];
-  global const uint4* own = triangles + first_triangle;
+  HR_MAKE_GEOMETRY(first_triangle)
   const NodeArrays nodes = {HR_NODE_ARRAYS};
   const BlockArrays blocks = {HR_BLOCK_ARRAYS};
   for (uint b = 0; b < region.blocks; b++) {
@@ -37,8 +33,7 @@ kernel void bvh_refit_regions(global const float* restrict positions, global con
     for (uint lane = 0; lane < HR_L; lane++) {
       const uint primitive = ((global const uint*)block)[HR_BLOCK_PRIMITIVE_ROW * HR_L + lane];
       if (primitive == HR_NO_PRIMITIVE) continue;
-      const Primitive p = load_primitive(positions, own, spheres, triangle_count, primitive);
-      write_lane(block, lane, p, primitive < triangle_count, primitive);
+      write_lane(block, lane, load_primitive(&geometry, primitive), primitive);
     }
   }
   for (uint n = region.nodes; n-- > 0;) {
@@ -59,7 +54,7 @@ kernel void bvh_refit_regions(global const float* restrict positions, global con
         for (uint k = 0; k < (leaf & 15u) * HR_L; k++) {
           const uint primitive = primitives[k / HR_L * (HR_BLOCK_ROWS * HR_L) + k % HR_L];
           if (primitive == HR_NO_PRIMITIVE) continue;
-          const Box one = primitive_bounds(positions, own, spheres, triangle_count, primitive);
+          const Box one = primitive_bounds(&geometry, primitive);
           box.lo = min(box.lo, one.lo);
           box.hi = max(box.hi, one.hi);
         }

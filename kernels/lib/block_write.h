@@ -5,8 +5,8 @@
 #include "lib/accel_layout.h"
 #include "lib/primitive.h"
 
-static inline void write_lane(global float* block, uint lane, Primitive p, bool is_triangle, uint primitive) {
-  if (is_triangle && !HR_TRIANGLE_WATERTIGHT) {
+static inline void write_lane(global float* block, uint lane, Primitive p, uint primitive) {
+  if (p.kind == HR_PRIMITIVE_TRIANGLE && !HR_TRIANGLE_WATERTIGHT) {
     const float4 e1 = p.a - p.b, e2 = p.c - p.a;
     p.b = e1;
     p.c = e2;

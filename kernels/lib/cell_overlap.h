@@ -1,5 +1,6 @@
 // Does a primitive touch a cell? Always yes where it does; rounding may only add cells. Triangles by separating axes
-// (Akenine-Möller 2001, "Fast 3D Triangle-Box Overlap Testing"), spheres by their surface.
+// (Akenine-Möller 2001, "Fast 3D Triangle-Box Overlap Testing"), spheres by their surface, shapes by their boxes, which
+// the caller compares.
 #ifndef HR_LIB_CELL_OVERLAP_H
 #define HR_LIB_CELL_OVERLAP_H
 
@@ -49,13 +50,14 @@ static inline bool boxes_touch(Box a, Box b) {
 
 // `cell` has been widened on all sides by what rounding of rays, of hits and in here may amount to. In units of about
 // the cell's and the primitive's size, so that nothing overflows.
-static inline bool primitive_touches_cell(Primitive p, bool is_triangle, Box cell, float unit) {
+static inline bool primitive_touches_cell(Primitive p, Box cell, float unit) {
+  if (p.kind == HR_PRIMITIVE_SHAPE) return true;
   const float inverse = 1.0f / unit;
   const float4 centre = 0.5f * cell.lo + 0.5f * cell.hi;
   float4 h = (cell.hi - cell.lo) * (0.5f * inverse);
   h.w = 0.0f;
   const float4 a = (p.a - centre) * inverse;
-  if (!is_triangle) return sphere_touches_box(a, p.b.x * inverse, h);
+  if (p.kind == HR_PRIMITIVE_SPHERE) return sphere_touches_box(a, p.b.x * inverse, h);
   return triangle_touches_box(a, (p.b - centre) * inverse, (p.c - centre) * inverse, h);
 }
 

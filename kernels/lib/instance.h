@@ -59,9 +59,7 @@ static inline void point_to_world(global const Instance* i, real3* p, real3* err
 }
 
 // The first index that belongs to an instance.
-static inline uint first_instanced(const SceneView* view) {
-  return view->triangle_count + view->sphere_count + view->plane_count;
-}
+static inline uint first_instanced(const SceneView* view) { return first_plane(view) + view->plane_count; }
 
 // The instance that primitive >= first_instanced() belongs to.
 static inline global const Instance* instance_of(const SceneView* view, uint primitive) {

@@ -6,6 +6,10 @@
 #include "lib/intersect.h"
 #include "lib/lanes.h"
 #include "lib/scene_view.h"
+#include "lib/shape.h"
+
+// Blocks may hold what is not a triangle, and is tested lane by lane.
+#define HR_HAS_ONE_BY_ONE (HR_HAS(SPHERES) || HR_HAS(SHAPES))
 
 // Primitives a ray must not meet: the one it left, and those of the light it is traced to (inclusive range, which is
 // empty if skip_first > skip_last).
@@ -17,11 +21,13 @@ typedef struct Skip {
 // What the numbers in a tree's blocks mean.
 typedef struct BlockNumbers {
   uint first;      // added to one, makes it a primitive index
-  uint triangles;  // those below are triangles, the others spheres
+  uint triangles;  // those below are triangles
+  uint shapes;     // those from here on are shapes, what is between them spheres
+  global const Shape* shape_array;
 } BlockNumbers;
 
 static inline BlockNumbers world_numbers(const SceneView* view) {
-  const BlockNumbers numbers = {0, view->triangle_count};
+  const BlockNumbers numbers = {0, view->triangle_count, first_shape(view), view->shapes};
   return numbers;
 }
 
@@ -41,7 +47,7 @@ static inline real3 block_point(global const float* block, uint row, uint lane) 
   return (real3)(block[row * HR_L + lane], block[(row + 1) * HR_L + lane], block[(row + 2) * HR_L + lane]);
 }
 
-// One lane by itself: spheres, and triangles on devices without explicit vectors.
+// One lane by itself: spheres, shapes, and triangles on devices without explicit vectors.
 static inline bool intersect_lane(BlockNumbers numbers, global const float* block, uint lane, const Ray* ray,
                                   Hit* candidate) {
   const uint number = block_primitive(block, lane);
@@ -49,6 +55,9 @@ static inline bool intersect_lane(BlockNumbers numbers, global const float* bloc
   candidate->primitive = numbers.first + number;
   candidate->u = 0;
   candidate->v = 0;
+  if (HR_HAS(SHAPES) && number >= numbers.shapes && number >= numbers.triangles) {
+    return intersect_shape(ray, numbers.shape_array + (number - numbers.shapes), &candidate->t, &candidate->u);
+  }
   const real3 a = block_point(block, 0, lane);
   if (HR_HAS(SPHERES) && number >= numbers.triangles) {
     return intersect_sphere(ray, a, block[3 * HR_L + lane], &candidate->t);
@@ -117,7 +126,7 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
   HR_INTL met = (hits->u_det >= 0.0f) & (hits->v_det >= 0.0f) & (hits->u_det + hits->v_det <= hits->det);
   met &= (hits->t_det > 0.0f) & (hits->t_det <= hits->det * (t_far * HR_SLAB_PAD)) & (hits->det > 0.0f);
 #endif
-  if (HR_HAS(SPHERES)) {
+  if (HR_HAS_ONE_BY_ONE) {
     const HR_INTL primitive = *(global const HR_INTL*)(block + HR_BLOCK_PRIMITIVE_ROW * HR_L);
     met &= primitive < (HR_INTL)((int)numbers.triangles);
   }
@@ -138,8 +147,8 @@ static inline LaneSet doubtful_lanes(const BlockHits* hits) {
       ~((hits->u_det > 0.0f) & (hits->v_det > 0.0f) & (hits->u_det + hits->v_det < hits->det * HR_SURELY_INSIDE)));
 }
 
-// Lanes that hold spheres. HR_NO_PRIMITIVE is negative here.
-static inline LaneSet sphere_lanes(BlockNumbers numbers, global const float* block) {
+// Lanes that hold no triangle but something. HR_NO_PRIMITIVE is negative here.
+static inline LaneSet other_lanes(BlockNumbers numbers, global const float* block) {
   const HR_INTL primitive = *(global const HR_INTL*)(block + HR_BLOCK_PRIMITIVE_ROW * HR_L);
   return HR_LANES_OF_L(primitive >= (HR_INTL)((int)numbers.triangles));
 }
@@ -165,8 +174,8 @@ static inline void intersect_block_closest(BlockNumbers numbers, global const fl
       if (counts && !is_skipped(skip, candidate.primitive)) *best = candidate;
     } while (lanes);
   }
-  if (HR_HAS(SPHERES)) {
-    for (LaneSet rest = sphere_lanes(numbers, block); rest; rest = without_first(rest)) {
+  if (HR_HAS_ONE_BY_ONE) {
+    for (LaneSet rest = other_lanes(numbers, block); rest; rest = without_first(rest)) {
       Hit candidate;
       if (intersect_lane(numbers, block, first_lane(rest), ray, &candidate) && is_closer(&candidate, best) &&
           !is_skipped(skip, candidate.primitive)) {
@@ -198,8 +207,8 @@ static inline bool intersect_block_any(BlockNumbers numbers, global const float*
       }
     } while (lanes);
   }
-  if (HR_HAS(SPHERES)) {
-    for (LaneSet rest = sphere_lanes(numbers, block); rest; rest = without_first(rest)) {
+  if (HR_HAS_ONE_BY_ONE) {
+    for (LaneSet rest = other_lanes(numbers, block); rest; rest = without_first(rest)) {
       Hit candidate;
       if (intersect_lane(numbers, block, first_lane(rest), ray, &candidate) && candidate.t < ray->t_max &&
           !is_skipped(skip, candidate.primitive)) {

@@ -75,11 +75,11 @@ static inline real3 nearest_on_sphere(real3 p, real3 centre, real radius) {
 }
 
 // Makes *best the primitive's nearest point if that is nearer; ties go to the smaller primitive.
-static inline void nearest_on_primitive(Primitive primitive, bool is_triangle, uint index, real3 p, Nearest* best) {
+static inline void nearest_on_primitive(Primitive primitive, uint index, real3 p, Nearest* best) {
   const real3 a = param3(primitive.a);
   real3 point;
   real distance2;
-  if (is_triangle) {
+  if (primitive.kind == HR_PRIMITIVE_TRIANGLE) {
     point = nearest_on_triangle(p, a, param3(primitive.b), param3(primitive.c));
     distance2 = length2(p - point);
   } else {

@@ -173,7 +173,7 @@ static inline void intersect_packet_block(const SceneView* view, Packet* p, glob
   const HR_FLOATL slack = det_bound * -1e-5f;  // of rounding in the bounds
   HR_INTL may = (t_det > 0.0f) & (det_bound > 0.0f) & (u_bound >= slack) & (v_bound >= slack) & (w_bound >= slack) &
                 (t_det <= det_bound * p->t_most * HR_INTERVAL_FAR);
-  if (HR_HAS(SPHERES)) {
+  if (HR_HAS_ONE_BY_ONE) {
     may &= *(global const HR_INTL*)(block + HR_BLOCK_PRIMITIVE_ROW * HR_L) < (HR_INTL)((int)view->triangle_count);
   }
   LaneSet lanes = HR_LANES_OF_L(may);
@@ -209,13 +209,12 @@ static inline void intersect_packet_block(const SceneView* view, Packet* p, glob
 
 #endif
 
-// Spheres of a block, ray by ray.
-static inline void intersect_packet_spheres(const SceneView* view, Packet* p, global const float* block,
-                                            bool* updated) {
-  for (LaneSet rest = sphere_lanes(world_numbers(view), block); rest; rest = without_first(rest)) {
+// Spheres and shapes of a block, ray by ray.
+static inline void intersect_packet_others(const SceneView* view, Packet* p, global const float* block, bool* updated) {
+  for (LaneSet rest = other_lanes(world_numbers(view), block); rest; rest = without_first(rest)) {
     const uint lane = first_lane(rest);
     for (uint k = 0; k < HR_K; k++) {
-      float dx[16], dy[16], dz[16], t[16];
+      float dx[16], dy[16], dz[16], t[16], part[16];
       int met[16];
       vstore16(p->dx[k], 0, dx);
       vstore16(p->dy[k], 0, dy);
@@ -225,8 +224,9 @@ static inline void intersect_packet_spheres(const SceneView* view, Packet* p, gl
         Hit hit;
         met[i] = intersect_lane(world_numbers(view), block, lane, &ray, &hit) ? -1 : 0;
         t[i] = met[i] ? hit.t : INFINITY;  // a miss leaves hit.t unset
+        part[i] = met[i] ? hit.u : 0.0f;
       }
-      if (take_hits(p, k, vload16(0, met), vload16(0, t), (float16)(0.0f), (float16)(0.0f),
+      if (take_hits(p, k, vload16(0, met), vload16(0, t), vload16(0, part), (float16)(0.0f),
                     (int)block_primitive(block, lane))) {
         *updated = true;
       }
@@ -287,7 +287,7 @@ static inline void intersect_packet_planes(const SceneView* view, Packet* p) {
     const Plane plane = view->planes[i];
     const real3 n = (real3)(plane.normal.x, plane.normal.y, plane.normal.z);
     const float height = dot3((real3)(plane.point.x, plane.point.y, plane.point.z) - p->origin, n);
-    const int primitive = (int)(view->triangle_count + view->sphere_count + i);
+    const int primitive = (int)(first_plane(view) + i);
     for (uint k = 0; k < HR_K; k++) {
       const float16 cosine = p->dx[k] * n.x + p->dy[k] * n.y + p->dz[k] * n.z;
       take_hits(p, k, cosine != 0.0f, height / cosine, (float16)(0.0f), (float16)(0.0f), primitive);
@@ -346,7 +346,7 @@ static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
       if (HR_HAS(INSTANCES) && is_instance_leaf(at)) intersect_packet_instance(view, p, at, &updated);
       for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
         if (HR_HAS(TRIANGLES)) intersect_packet_block(view, p, block, &updated);
-        if (HR_HAS(SPHERES)) intersect_packet_spheres(view, p, block, &updated);
+        if (HR_HAS_ONE_BY_ONE) intersect_packet_others(view, p, block, &updated);
       }
       if (updated) {
         if (any) finish_hit_rays(p);

@@ -17,7 +17,7 @@
 typedef struct SceneView {
   HR_SCENE_BUFFERS(HR_VIEW_MEMBER)
   HR_MORE_CHUNKS(HR_CHUNK_MEMBER)
-  uint triangle_count, sphere_count, plane_count, light_count, emitter_count, instance_count;
+  uint triangle_count, sphere_count, shape_count, plane_count, light_count, emitter_count, instance_count;
 #ifdef HR_COUNT_VISITS
   uint* visits;  // of nodes and of blocks, by this work-item
 #endif
@@ -31,6 +31,16 @@ typedef struct SceneView {
 #define HR_VISIT_NODE(view)
 #define HR_VISIT_BLOCK(view)
 #endif
+
+// Where primitives of a kind begin: triangles, spheres, shapes, planes, triangles of all instances.
+static inline uint first_shape(const SceneView* view) { return view->triangle_count + view->sphere_count; }
+static inline uint first_plane(const SceneView* view) { return first_shape(view) + view->shape_count; }
+
+// Can a ray that leaves this shape meet it again?
+static inline bool is_curved_shape(const SceneView* view, uint primitive) {
+  const uint i = primitive - first_shape(view);
+  return HR_HAS(SHAPES) && i < view->shape_count && view->shapes[i].kind != HR_SHAPE_DISK;
+}
 
 HR_DEFINE_NODE_AT(node_at, SceneView, global const float*)
 HR_DEFINE_BLOCK_AT(block_at, SceneView, global const float*)
@@ -48,6 +58,7 @@ HR_DEFINE_BLOCK_AT(block_at, SceneView, global const float*)
   HR_MORE_CHUNKS(HR_VIEW_CHUNK)                  \
   view.triangle_count = (params).triangle_count; \
   view.sphere_count = (params).sphere_count;     \
+  view.shape_count = (params).shape_count;       \
   view.plane_count = (params).plane_count;       \
   view.light_count = (params).light_count;       \
   view.emitter_count = (params).emitter_count;   \

@@ -5,6 +5,7 @@
 #include "lib/instance.h"
 #include "lib/intersect.h"
 #include "lib/scene_view.h"
+#include "lib/shape_surface.h"
 #include "lib/texture.h"
 #include "lib/vec.h"
 
@@ -138,7 +139,7 @@ static inline TriangleGeometry load_instanced(const SceneView* view, global cons
 }
 
 // Everything about the hit of a ray; error bounds follow pbrt (4th ed., 6.8.4-5): position from barycentrics, on the
-// sphere by reprojection, on the plane by projection.
+// sphere and on shapes by reprojection, on the plane by projection.
 static inline Surface surface_at(const SceneView* view, real3 origin, real3 direction, const Hit* hit) {
   Surface s;
   real3 color = (real3)(1);
@@ -176,7 +177,7 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
       color = load_color(view, g.indices.x) * (1 - hit->u - hit->v) + load_color(view, g.indices.y) * hit->u +
               load_color(view, g.indices.z) * hit->v;
     }
-  } else if (HR_HAS(SPHERES) && hit->primitive < view->triangle_count + view->sphere_count) {
+  } else if (HR_HAS(SPHERES) && hit->primitive < first_shape(view)) {
     const Sphere sphere = view->spheres[hit->primitive - view->triangle_count];
     const real3 center = (real3)(sphere.center_radius.x, sphere.center_radius.y, sphere.center_radius.z);
     outward = normalize3(origin + direction * hit->t - center);
@@ -185,8 +186,14 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
     s.error = (fabs(center) + sphere.center_radius.w) * HR_GAMMA(7);
     material = sphere.material;
     s.object = sphere.object;
+  } else if (HR_HAS(SHAPES) && hit->primitive < first_plane(view)) {
+    global const Shape* shape = view->shapes + (hit->primitive - first_shape(view));
+    shape_surface(shape, origin, direction, hit, &s.position, &s.error, &outward);
+    interpolated = outward;
+    material = shape->material;
+    s.object = shape->object;
   } else if (HR_HAS(PLANES)) {
-    const Plane plane = view->planes[hit->primitive - view->triangle_count - view->sphere_count];
+    const Plane plane = view->planes[hit->primitive - first_plane(view)];
     const real3 point = (real3)(plane.point.x, plane.point.y, plane.point.z);
     outward = (real3)(plane.normal.x, plane.normal.y, plane.normal.z);
     interpolated = outward;

@@ -1,6 +1,6 @@
 // Traversal of the wide BVH, or of a tree of cells (HR_ACCEL), by a single ray. Planes are unbounded and are tested
-// beside the tree. Primitive indices: triangles, then spheres, then planes, then the triangles of all instances. Ties
-// in t go to the smaller index.
+// beside the tree. Primitive indices: triangles, spheres, shapes, planes, the triangles of all instances. Ties in t go
+// to the smaller index.
 #ifndef HR_LIB_TRAVERSE_H
 #define HR_LIB_TRAVERSE_H
 
@@ -13,7 +13,7 @@
 static inline bool intersect_plane_primitive(const SceneView* view, const Ray* ray, uint index, const Skip* skip,
                                              Hit* candidate) {
   const Plane plane = view->planes[index];
-  candidate->primitive = view->triangle_count + view->sphere_count + index;
+  candidate->primitive = first_plane(view) + index;
   if (is_skipped(skip, candidate->primitive)) return false;
   candidate->u = 0;
   candidate->v = 0;
@@ -52,7 +52,7 @@ static inline int enter_instance(const SceneView* view, const Ray* world_ray, in
   walk->ray = ray_to_object(walk->instance, world_ray);
   walk->slabs = make_slabs(&walk->ray);
   walk->numbers.first = walk->instance->first_id;
-  walk->numbers.triangles = 0x7fffffffu;  // there are no spheres
+  walk->numbers.triangles = 0x7fffffffu;  // there is nothing else
   walk->floor = stack_size;
   return view->tree_roots[walk->instance->mesh + 1];
 }

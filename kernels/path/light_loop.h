@@ -11,6 +11,11 @@
 // A shadow ray ends this much (relative) before the light sample: t carries a few rounding errors.
 #define HR_SHADOW_RAY_MARGIN (16 * HR_HALF_ULP)
 
+// The primitive that shadow rays from a point of `primitive` do not meet.
+static inline uint shadow_skip(const SceneView* view, uint primitive) {
+  return is_curved_shape(view, primitive) ? HR_NO_PRIMITIVE : primitive;
+}
+
 static inline uint after_lights(const PathContext* context, const PathState* s) {
   if (HR_HAS(SECONDARY) && s->control.x < context->params.max_depth) {
     const Material m = context->view.materials[s->surface.x];

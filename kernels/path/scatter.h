@@ -7,12 +7,14 @@
 #include "lib/offset.h"
 #include "path/path_context.h"
 
-// Primitive that a scattered ray may not meet again: the flat one it leaves. A ray inside a sphere meets it again.
+// Primitive that a scattered ray may not meet again: the flat one it leaves. A ray inside a sphere or on a curved shape
+// meets it again.
 static inline uint left_primitive(const PathContext* context, const PathState* s) {
   const uint primitive = s->surface.z;
   const bool is_sphere = primitive >= context->view.triangle_count &&
                          primitive < context->view.triangle_count + context->view.sphere_count;
-  return HR_HAS(SPHERES) && is_sphere ? HR_NO_PRIMITIVE : primitive;
+  const bool again = (HR_HAS(SPHERES) && is_sphere) || is_curved_shape(&context->view, primitive);
+  return again ? HR_NO_PRIMITIVE : primitive;
 }
 
 static inline uint first_bounce_kind(const PathState* s, uint kind) {

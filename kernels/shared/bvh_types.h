@@ -32,7 +32,8 @@ typedef struct BinaryNode {
 
 // A leaf holds blocks of L primitives (L: the profile's lanes), 10 L words each, a row of L a quantity. Triangles:
 //   rows 0-2 vertex a, 3-5 and 6-8 vertices b and c (watertight test) or edges a - b and c - a (fast test) [m].
-// Spheres: rows 0-2 centre, row 3 radius [m]. Row 9: primitive (uint bits), HR_NO_PRIMITIVE in unused lanes.
+// Spheres: rows 0-2 centre, row 3 radius [m]. Shapes: their number says all. Row 9: primitive (uint bits),
+// HR_NO_PRIMITIVE in unused lanes.
 #define HR_BLOCK_ROWS 10
 #define HR_BLOCK_PRIMITIVE_ROW 9
 #define HR_MAX_LEAF_BLOCKS 15
@@ -91,9 +92,9 @@ typedef struct QueryRay {
 // Its closest hit; primitive = HR_NO_PRIMITIVE for a miss.
 typedef struct QueryHit {
   float t;         // [in lengths of direction]
-  float u;         // barycentric weight of the triangle's second vertex
+  float u;         // barycentric weight of the triangle's second vertex; of a shape, HR_PART_...
   float v;         // ... of the third
-  uint primitive;  // triangles in input order, then spheres, then planes, then the triangles of all instances
+  uint primitive;  // triangles in input order, then spheres, shapes, planes, and the triangles of all instances
 } QueryHit;
 
 #define HR_NO_PRIMITIVE 0xffffffffu

@@ -30,12 +30,13 @@
 #define HR_FEATURE_ORTHOGRAPHIC (1u << 22)
 #define HR_FEATURE_PHONG_SHADING (1u << 23)
 #define HR_FEATURE_INSTANCES (1u << 24) /* meshes that copies share, each with a tree of its own */
-#define HR_FEATURE_COUNT 25
+#define HR_FEATURE_SHAPES (1u << 25)    /* disks, cylinders, cones, quadrics */
+#define HR_FEATURE_COUNT 26
 
 #ifndef __cplusplus
 
 #ifndef HR_FEATURES
-#define HR_FEATURES 0x1ffffffu
+#define HR_FEATURES 0x3ffffffu
 #endif
 
 #define HR_HAS(feature) ((HR_FEATURES & HR_FEATURE_##feature) != 0)
@@ -111,6 +112,11 @@
 #define HR_IF_INSTANCES(x) x
 #else
 #define HR_IF_INSTANCES(x)
+#endif
+#if HR_HAS(SHAPES)
+#define HR_IF_SHAPES(x) x
+#else
+#define HR_IF_SHAPES(x)
 #endif
 
 #endif

@@ -27,7 +27,8 @@ typedef struct RenderParams {
   uint light_count;
   uint emitter_count;
   uint instance_count;
-  uint pad0, pad1;
+  uint shape_count;
+  uint pad0;
 } RenderParams;
 
 HR_SHARED_END

@@ -59,11 +59,45 @@ typedef struct Plane {
   uint pad0, pad1;
 } Plane;
 
+#define HR_SHAPE_DISK 0u
+#define HR_SHAPE_CONE 1u /* truncated, between two disks; a cylinder where slope = 0 */
+#define HR_SHAPE_QUADRIC 2u
+
+#define HR_SHAPE_CAPPED 1u
+#define HR_SHAPE_CLIP_BOX 2u
+#define HR_SHAPE_CLIP_SPHERE 4u
+
+// What of a shape is hit.
+#define HR_PART_SIDE 0 /* of a cone; a disk or quadric has no other */
+#define HR_PART_LOWER_CAP 1
+#define HR_PART_UPPER_CAP 2
+
+// A finite surface in a frame of its own: p_own = L (p_world - place). The frame's origin is the middle of the surface,
+// so that its numbers are as large as the surface and no larger.
+//   disk     z = 0, x^2 + y^2 <= radius^2; front where z > 0.      form = (radius, 0, 0, 0) [own units]
+//   cone     x^2 + y^2 = r(z)^2, r = mean + slope z, |z| <= half;   form = (mean radius, slope, half height, 0)
+//   quadric  p^T A p + 2 b p + c = 0; front where it is positive.   form = (Axx, Ayy, Azz, c), mixed = (Axy, Ayz, Azx)
+typedef struct Shape {
+  float4 to_own_x;  // row of L; w = place [m]
+  float4 to_own_y;
+  float4 to_own_z;
+  float4 form;
+  float4 mixed;
+  float4 linear;  // b
+  float4 clip;    // quadric: half sizes of a box or w = radius of a sphere around the origin [own units]
+  float4 lo;      // bounds [m]; w = radius of a sphere around `place` that holds them [m]
+  float4 hi;
+  uint kind;
+  uint flags;
+  uint material;
+  uint object;
+} Shape;
+
 #define HR_NO_MATERIAL 0xffffffffu
 #define HR_INSTANCE_MIRRORED 1u /* L turns the winding round: second and third vertex change places */
 
 // A mesh placed in the world that has its triangles and its tree in common with other copies: p_world = L p + T. Its
-// triangles are primitives first_id, first_id + 1, ..., numbered behind the scene's triangles, spheres and planes.
+// triangles are primitives first_id, first_id + 1, ..., numbered behind all that the scene has of its own.
 typedef struct Instance {
   float4 to_world_x;  // row of L, w = T [m]
   float4 to_world_y;

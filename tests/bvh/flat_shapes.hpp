@@ -17,7 +17,8 @@
 namespace hemiray::test {
 
 /// Primitives of all kinds, whether the scene has them or not: one query program serves all tests.
-inline constexpr std::uint32_t kAllPrimitives = HR_FEATURE_TRIANGLES | HR_FEATURE_SPHERES | HR_FEATURE_PLANES;
+inline constexpr std::uint32_t kAllPrimitives =
+    HR_FEATURE_TRIANGLES | HR_FEATURE_SPHERES | HR_FEATURE_SHAPES | HR_FEATURE_PLANES;
 
 inline FlatScene empty_flat_scene() {
   FlatScene flat;

@@ -120,6 +120,7 @@ class QueryBench {
     shared::RenderParams params{};
     params.triangle_count = tree.scene.triangle_count();
     params.sphere_count = tree.scene.sphere_count();
+    params.shape_count = tree.scene.shape_count();
     params.plane_count = tree.scene.plane_count();
     launch(workshop_.context, kernel, rays.size(),
            arguments(tree.scene.shading_arguments(), tree.accel.tree_arguments(), arg("rays", device_rays),

@@ -30,6 +30,7 @@ static_assert(sizeof(shared::Material) == 128 && alignof(shared::Material) == 16
 static_assert(sizeof(shared::Texture) == 32);
 static_assert(sizeof(shared::Instance) == 128 && alignof(shared::Instance) == 16);
 static_assert(sizeof(shared::Sphere) == 32 && alignof(shared::Sphere) == 16);
+static_assert(sizeof(shared::Shape) == 160 && alignof(shared::Shape) == 16);
 static_assert(sizeof(shared::Plane) == 48 && alignof(shared::Plane) == 16);
 static_assert(sizeof(shared::Light) == 112 && alignof(shared::Light) == 16);
 static_assert(sizeof(shared::Emitter) == 16);
@@ -77,6 +78,10 @@ const std::vector<Layout>& layouts() {
         HR_FOUR(Instance, to_object_y, to_object_z, first_id, first_triangle),
         HR_FOUR(Instance, triangle_count, mesh, object, material), HR_MEMBER(Instance, flags),
         HR_MEMBER(Instance, pad)}},
+      {"Shape",
+       sizeof(shared::Shape),
+       {HR_FOUR(Shape, to_own_x, to_own_y, to_own_z, form), HR_FOUR(Shape, mixed, linear, clip, lo),
+        HR_FOUR(Shape, hi, kind, flags, material), HR_MEMBER(Shape, object)}},
       {"Plane",
        sizeof(shared::Plane),
        {HR_FOUR(Plane, point, normal, material, object), HR_MEMBER(Plane, pad0), HR_MEMBER(Plane, pad1)}},
@@ -108,8 +113,8 @@ const std::vector<Layout>& layouts() {
         HR_FOUR(RenderParams, background, ambient, width, height),
         HR_FOUR(RenderParams, first_pixel, slot_count, sample, samples),
         HR_FOUR(RenderParams, seed_key, max_depth, triangle_count, sphere_count),
-        HR_FOUR(RenderParams, plane_count, light_count, emitter_count, instance_count), HR_MEMBER(RenderParams, pad0),
-        HR_MEMBER(RenderParams, pad1)}},
+        HR_FOUR(RenderParams, plane_count, light_count, emitter_count, instance_count),
+        HR_MEMBER(RenderParams, shape_count), HR_MEMBER(RenderParams, pad0)}},
   };
   return kLayouts;
 }

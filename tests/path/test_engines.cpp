@@ -117,6 +117,7 @@ Image render_in_waves(const ComparisonScene& item, EngineKind kind, std::uint32_
   params.max_depth = static_cast<std::uint32_t>(options.depth);
   params.triangle_count = scene.triangle_count();
   params.sphere_count = scene.sphere_count();
+  params.shape_count = scene.shape_count();
   params.plane_count = scene.plane_count();
   params.light_count = scene.light_count();
   params.emitter_count = scene.emitter_count();
@@ -150,6 +151,10 @@ TEST_CASE("strict engines give the same bits: emitters and phong shading") {
 TEST_CASE("strict engines give the same bits: textures, normal maps and an orthographic view") {
   check_same_bits(scene_named("textured meshes"));
   check_same_bits(scene_named("map view"));
+}
+TEST_CASE("strict engines give the same bits: disks, cylinders, cones and quadrics") {
+  check_same_bits(scene_named("analytic shapes"));
+  check_same_bits(shipped_scene("analytic_shapes.json"));
 }
 TEST_CASE("strict engines give the same bits: shipped scenes") {
   check_same_bits(shipped_scene("glass_and_mirror.json"));

@@ -125,6 +125,9 @@ TEST_CASE("a scene calls for its shapes") {
   CHECK(mask_of(scene) == HR_FEATURE_SPHERES);
   add_plane(scene, {0, 0, 0}, {0, 1, 0}, grey);
   CHECK(mask_of(scene) == (HR_FEATURE_SPHERES | HR_FEATURE_PLANES));
+  Scene round = empty_scene({0, 0, 5}, {0, 0, 0});
+  round.shapes.emplace_back().material = add_material(round, mirror(0.5F));
+  CHECK(mask_of(round) == (HR_FEATURE_SHAPES | kReflects));
   add_box(scene, {-1, -1, -1}, {1, 1, 1}, grey);
   CHECK(mask_of(scene) == (HR_FEATURE_SPHERES | HR_FEATURE_PLANES | HR_FEATURE_TRIANGLES));
   scene.meshes[0].colors.assign(8, Vec3(1.0F));

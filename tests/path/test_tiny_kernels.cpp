@@ -286,6 +286,62 @@ TEST_CASE("tiny: both engines render a room") {
   }
 }
 
+TEST_CASE("tiny: disks, cylinders, cones and quadrics are traced and rendered") {
+  Scene scene = small_room();
+  scene.spheres.clear();
+  const auto add = [&scene](ShapeKind kind, DVec3 place) -> Shape& {
+    Shape& shape = scene.shapes.emplace_back();
+    shape.kind = kind;
+    shape.to_world =
+        DMat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(place, 1.0));
+    shape.radius = shape.upper_radius = 0.4;
+    shape.material = static_cast<std::uint32_t>(scene.shapes.size() % scene.materials.size());
+    return shape;
+  };
+  add(ShapeKind::disk, {0, 0.6, -0.8});
+  add(ShapeKind::cylinder, {-0.8, 0.5, 0});
+  add(ShapeKind::cone, {0, 0.5, 0.2}).upper_radius = 0.1;
+  Shape& bowl = add(ShapeKind::quadric, {0.8, 0.3, 0});
+  bowl.coefficients = {1, 1, -0.5, 0, 0, 0, 0, 0, 0, -0.05};
+  bowl.clip = Clip::box;
+  bowl.clip_half = {0.5, 0.5, 0.4};
+  ReferenceOptions options;
+  options.width = options.height = 5;
+  options.depth = 2;
+  const Image megakernel = render_on_device(scene, options, EngineKind::megakernel, true);
+  const Image wavefront = render_on_device(scene, options, EngineKind::wavefront, true, 0);
+  double sum = 0.0;
+  for (int i = 0; i < 25; i++) {
+    const double value = reference::value_at(wavefront, "direct", i % 5, i / 5);
+    CHECK(value == reference::value_at(megakernel, "direct", i % 5, i / 5));
+    sum += value;
+  }
+  CHECK(sum > 0.0);
+
+  scene.lights.clear();
+  FlatScene flat = flatten_scene(scene);
+  flat.triangles.clear();
+  for (const AccelKind kind : {AccelKind::bvh, AccelKind::octree}) {
+    AccelOptions options_of_tree = two_wide();
+    options_of_tree.kind = kind;
+    TinyTree tree(flat, options_of_tree);
+    RayQueries single(tree.context, tree.scene, *tree.accel);
+    const Rays rays = rays_through(9);
+    std::size_t found = 0;
+    for (const shared::QueryHit& hit : single.intersect(rays)) found += hit.primitive != HR_NO_PRIMITIVE ? 1 : 0;
+    CHECK(found >= rays.size() / 4);
+    if (kind != AccelKind::bvh) continue;
+    RayQueries packets(tree.context, tree.scene, *tree.accel, false, RayGrouping::packets);
+    Rays fan = rays;
+    for (shared::QueryRay& ray : fan) ray.origin = rays.front().origin;
+    const std::vector<shared::QueryHit> together = packets.intersect(fan), alone = single.intersect(fan);
+    for (std::size_t i = 0; i < fan.size(); i++) CHECK(together[i].primitive == alone[i].primitive);
+    tree.accel->refit(tree.scene);
+    const std::vector<std::uint32_t> occluded = single.occluded(rays);
+    CHECK(static_cast<std::size_t>(std::count(occluded.begin(), occluded.end(), 1U)) == found);
+  }
+}
+
 TEST_CASE("tiny: visits are counted") {
   TinyTree tree(test::soup(20, 4, 0.3F, 3), two_wide());
   const test::Rays rays = test::random_rays(6, 4);

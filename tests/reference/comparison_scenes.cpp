@@ -177,6 +177,66 @@ Scene map_view() {
   return scene;
 }
 
+Shape placed_shape(ShapeKind kind, const DMat4& to_world, std::uint32_t material) {
+  Shape shape;
+  shape.kind = kind;
+  shape.to_world = to_world;
+  shape.material = material;
+  return shape;
+}
+
+/// A frame with z along `axis`, at `place`.
+DMat4 upright(const DVec3& place, const DVec3& axis) {
+  const DVec3 z = glm::normalize(axis), x = glm::normalize(glm::cross(DVec3(0.3, 0.2, 0.9), z));
+  return {glm::dvec4(x, 0.0), glm::dvec4(glm::cross(z, x), 0.0), glm::dvec4(z, 0.0), glm::dvec4(place, 1.0)};
+}
+
+/// Every kind of shape, in glass, mirror and plain; open ones seen from inside.
+Scene analytic_shapes() {
+  Scene scene = empty_scene({0.4, 2.6, 7.5}, {0.1, 0.8, 0}, 38.0);
+  scene.background = {0.3F, 0.45F, 0.7F};
+  scene.ambient = Vec3(0.15F);
+  const std::uint32_t floor = add_material(scene, glossy(Vec3(0.6F), 0.2F, 20.0F));
+  const std::uint32_t clear = add_material(scene, glass(1.5F));
+  const std::uint32_t silver = add_material(scene, mirror(0.85F));
+  const std::uint32_t red = add_material(scene, glossy({0.7F, 0.15F, 0.1F}, 0.3F, 50.0F));
+  const DVec3 up(0, 1, 0);
+  const auto add = [&scene](Shape shape) -> Shape& { return scene.shapes.emplace_back(std::move(shape)); };
+  add(placed_shape(ShapeKind::disk, upright({0, 0, 0}, up), floor)).radius = 4.0;
+  add(placed_shape(ShapeKind::disk, upright({0, 1.4, -2.5}, {0.1, 0.05, 1}), silver)).radius = 1.3;
+  Shape& column = add(placed_shape(ShapeKind::cylinder, upright({-0.3, 0.62, 1.5}, {0.1, 1, 0.05}), clear));
+  column.radius = column.upper_radius = 0.4;
+  column.half_height = 0.55;
+  Shape& pipe = add(placed_shape(ShapeKind::cylinder, upright({1.7, 0.4, 1.6}, {1.0, 0.1, -0.9}), red));
+  pipe.radius = pipe.upper_radius = 0.35;
+  pipe.half_height = 0.6;
+  pipe.capped = false;
+  Shape& cone = add(placed_shape(ShapeKind::cone, upright({-2.2, 0.75, 0.2}, up), red));
+  cone.radius = 0.6;
+  cone.upper_radius = 0.0;
+  cone.half_height = 0.7;
+  Shape& frustum = add(placed_shape(ShapeKind::cone, upright({2.3, 0.7, -0.4}, {-0.1, 1, 0.1}), silver));
+  frustum.radius = 0.6;
+  frustum.upper_radius = 0.25;
+  frustum.half_height = 0.6;
+  Shape& egg = add(placed_shape(ShapeKind::quadric, upright({-1.3, 0.5, 2.0}, {0.3, 1, 0.2}), clear));
+  egg.coefficients = {1.0, 2.0, 1.5, 0.2, 0, 0, 0, 0, 0, -0.16};
+  Shape& tower = add(placed_shape(ShapeKind::quadric, upright({-0.9, 0.76, -0.7}, up), floor));
+  tower.coefficients = {1, 1, -0.5, 0, 0, 0, 0, 0, 0, -0.09};
+  tower.clip = Clip::box;
+  tower.clip_half = {1, 1, 0.75};
+  Shape& bowl = add(placed_shape(ShapeKind::quadric, upright({0.9, 0.05, 0.3}, {0.1, 1, 0}), silver));
+  bowl.coefficients = {1, 1.2, 0, 0, 0, 0, 0, 0, -0.6, 0};
+  bowl.clip = Clip::sphere;
+  bowl.clip_center = {0, 0, 0.4};
+  bowl.clip_radius = 0.7;
+  add_point_light(scene, {3.5, 5.5, 4.5}, Vec3(150.0F, 140.0F, 130.0F));
+  Light& sun = add_point_light(scene, {0, 0, 0}, Vec3(0.6F));
+  sun.kind = LightKind::directional;
+  sun.direction = glm::normalize(DVec3(0.5, -1.0, -0.6));
+  return scene;
+}
+
 /// The spheres again, scaled and moved: offsets that suit one size and place show here.
 Scene moved(Scene scene, double scale, const DVec3& offset) {
   const DVec3 eye(scene.camera.to_world[3]);
@@ -189,6 +249,11 @@ Scene moved(Scene scene, double scale, const DVec3& offset) {
   for (Sphere& sphere : scene.spheres) {
     sphere.center = sphere.center * scale + offset;
     sphere.radius *= scale;
+  }
+  for (Shape& shape : scene.shapes) {
+    shape.to_world = glm::dmat4(glm::dvec4(scale, 0, 0, 0), glm::dvec4(0, scale, 0, 0), glm::dvec4(0, 0, scale, 0),
+                                glm::dvec4(offset, 1.0)) *
+                     shape.to_world;
   }
   for (Light& light : scene.lights) {
     light.position = light.position * scale + offset;
@@ -217,6 +282,8 @@ std::vector<ComparisonScene> comparison_scenes() {
   add("textured meshes", textured_meshes(), {64, 48, 1, 1, 0});
   add("emitters", emitters(), {48, 32, 1, 1, 2});
   add("map view", map_view(), {48, 48, 1, 4, 0});
+  add("analytic shapes", analytic_shapes(), {64, 40, 1, 5, 0});
+  add("analytic shapes, 50 m from the origin", moved(analytic_shapes(), 1.0, {50, -20, 35}), {48, 32, 1, 4, 0});
   return list;
 }
 

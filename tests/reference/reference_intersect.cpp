@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "tests/reference/reference_shape.hpp"
+
 namespace hemiray::reference {
 
 namespace {
@@ -124,6 +126,9 @@ std::optional<Hit> intersect(const World& world, const PrimitiveId& primitive, c
     case Kind::sphere:
       hit = intersect_sphere(world.scene.spheres[primitive.index], ray);
       break;
+    case Kind::shape:
+      hit = intersect_shape(world.scene.shapes[primitive.index], ray);
+      break;
     case Kind::plane: {
       const Plane& plane = world.scene.planes[primitive.index];
       if (const auto t = plane_distance(ray, plane.point, plane.normal)) hit = Hit{*t, {}, DVec3(0.0)};
@@ -205,6 +210,7 @@ std::optional<Hit> Intersector::nearest(const Ray& ray) const {
   for_each_triangle(ray, t_max, [&](std::size_t i) { consider({Kind::triangle, i}); });
   for (std::size_t i = 0; i < world_.quads.size(); ++i) consider({Kind::quad, i});
   for (std::size_t i = 0; i < world_.scene.spheres.size(); ++i) consider({Kind::sphere, i});
+  for (std::size_t i = 0; i < world_.scene.shapes.size(); ++i) consider({Kind::shape, i});
   for (std::size_t i = 0; i < world_.scene.planes.size(); ++i) consider({Kind::plane, i});
   return best;
 }
@@ -220,6 +226,7 @@ bool Intersector::occluded(const Ray& ray, double distance_m, const std::vector<
   };
   for (std::size_t i = 0; i < world_.quads.size(); ++i) consider({Kind::quad, i});
   for (std::size_t i = 0; i < world_.scene.spheres.size(); ++i) consider({Kind::sphere, i});
+  for (std::size_t i = 0; i < world_.scene.shapes.size(); ++i) consider({Kind::shape, i});
   for (std::size_t i = 0; i < world_.scene.planes.size(); ++i) consider({Kind::plane, i});
   for_each_triangle(ray, t_max, [&](std::size_t i) { consider({Kind::triangle, i}); });
   return blocked;

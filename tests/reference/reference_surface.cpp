@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/reference/reference_shape.hpp"
 #include "tests/reference/reference_texture.hpp"
 
 namespace hemiray::reference {
@@ -125,6 +126,13 @@ Surface surface_at(const World& world, const Ray& ray, const Hit& hit) {
       const Sphere& sphere = scene.spheres[hit.primitive.index];
       apply_material(scene, scene.materials.at(sphere.material), {}, surface);
       const DVec3 outward = glm::normalize(surface.position_m - sphere.center);
+      set_normals(surface, ray, outward, outward);
+      break;
+    }
+    case Kind::shape: {
+      const Shape& shape = scene.shapes[hit.primitive.index];
+      apply_material(scene, scene.materials.at(shape.material), {}, surface);
+      const DVec3 outward = shape_normal(shape, surface.position_m);
       set_normals(surface, ray, outward, outward);
       break;
     }

@@ -74,10 +74,12 @@ std::size_t World::object_id(const PrimitiveId& primitive) const {
       return 1 + triangles[primitive.index].object;
     case Kind::sphere:
       return 1 + objects + primitive.index;
-    case Kind::plane:
+    case Kind::shape:
       return 1 + objects + spheres + primitive.index;
+    case Kind::plane:
+      return 1 + objects + spheres + scene.shapes.size() + primitive.index;
     case Kind::quad:
-      return 1 + objects + spheres + scene.planes.size() + primitive.index;
+      return 1 + objects + spheres + scene.shapes.size() + scene.planes.size() + primitive.index;
     case Kind::none:
       break;
   }

@@ -9,7 +9,7 @@
 namespace hemiray::reference {
 
 /// Primitive kinds in the order that decides between hits at the same distance.
-enum class Kind { none, triangle, quad, sphere, plane };
+enum class Kind { none, triangle, quad, sphere, shape, plane };
 
 /// Names one primitive: an index into the World's list of that kind.
 struct PrimitiveId {
@@ -47,7 +47,7 @@ struct World {
   std::vector<WorldTriangle> triangles;
   std::vector<WorldQuad> quads;
 
-  /// The object id layer's value: 1 + index in [objects, spheres, planes, visible area lights].
+  /// The object id layer's value: 1 + index in [objects, spheres, shapes, planes, visible area lights].
   [[nodiscard]] std::size_t object_id(const PrimitiveId& primitive) const;
 };
 

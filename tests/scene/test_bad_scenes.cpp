@@ -133,6 +133,48 @@ TEST_CASE("bad scenes: materials") {
   });
 }
 
+TEST_CASE("bad scenes: disks, cylinders, cones and quadrics") {
+  check_all({
+      {R"("objects": [{"type": "disc"}])", ": /objects/0/type", "did you mean \"disk\"?"},
+      {R"("objects": [{"type": "disk", "center": [0, 0, 0], "normal": [0, 0, 0], "radius": 1}])", ": /objects/0/normal",
+       "must not be zero"},
+      {R"("objects": [{"type": "disk", "center": [0, 0, 0], "normal": [0, 0, 1], "radius": 0}])", ": /objects/0/radius",
+       "greater than 0"},
+      {R"("objects": [{"type": "disk", "center": [0, 0, 0], "normal": [0, 0, 1], "radius": 1,
+          "transform": {"scale": [1000, 1, 1]}}])",
+       ": /objects/0/transform", "about 300 times"},
+      {R"("objects": [{"type": "cylinder", "from": [0, 0, 0], "to": [0, 0, 0], "radius": 1}])", ": /objects/0/to",
+       "another point"},
+      {R"("objects": [{"type": "cylinder", "from": [0, 0, 0], "to": [0, 0, 1], "radius": 1, "cap": true}])",
+       ": /objects/0", "did you mean \"caps\"?"},
+      {R"("objects": [{"type": "cone", "from": [0, 0, 0], "to": [0, 0, 1], "radius_from": 0}])",
+       ": /objects/0/radius_from", "above 0"},
+      {R"("objects": [{"type": "cone", "from": [0, 0, 0], "to": [0, 0, 1], "radius_from": 1, "radius_to": -1}])",
+       ": /objects/0/radius_to", "from 0"},
+      {R"("objects": [{"type": "quadric", "coefficients": {"x2": 1, "y2": 1, "1": -1}}])", ": /objects/0",
+       "must have a clip: the quadric is unbounded"},
+      {R"("objects": [{"type": "quadric", "coefficients": {"x2": 1, "y2": 1, "z2": 1, "1": 1}}])", ": /objects/0",
+       "no points"},
+      {R"("objects": [{"type": "quadric", "coefficients": {"1": 1}, "clip": {"sphere": {"radius": 1}}}])",
+       ": /objects/0", "no surface"},
+      {R"("objects": [{"type": "quadric", "coefficients": {"x2": 1, "1": -9}, "clip": {"sphere": {"radius": 1}}}])",
+       ": /objects/0", "no points there"},
+      {R"("objects": [{"type": "quadric", "coefficients": {"zz": 1}}])", ": /objects/0/coefficients",
+       "unknown key \"zz\""},
+      {R"("objects": [{"type": "quadric", "coefficients": [1, 2, 3]}])", ": /objects/0/coefficients", "array of 10"},
+      {R"("objects": [{"type": "quadric", "coefficients": {"x": 1}, "clip": {}}])", ": /objects/0/clip",
+       "either a box or a sphere"},
+      {R"("objects": [{"type": "quadric", "coefficients": {"x": 1}, "clip": {"sphere": {"radius": 0}}}])",
+       ": /objects/0/clip/sphere/radius", "greater than 0"},
+      {R"("objects": [{"type": "quadric", "coefficients": {"x": 1},
+          "clip": {"box": {"min": [0, 0, 0], "max": [1, 0, 1]}}}])",
+       ": /objects/0/clip/box/max/1", "greater than min"},
+      {R"("materials": {"lamp": {"emission": 1}}, "objects": [{"type": "cylinder", "from": [0, 0, 0], "to": [0, 0, 1],
+          "radius": 1, "material": "lamp"}])",
+       ": /objects/0/material", "a cylinder cannot emit"},
+  });
+}
+
 TEST_CASE("bad scenes: objects") {
   check_all({
       {"\"objects\": [7]", ": /objects/0", "expected an object"},

@@ -245,6 +245,48 @@ TEST_CASE("json scene: lights of all kinds") {
   CHECK(scene.lights[4].visible);
 }
 
+TEST_CASE("json scene: disks, cylinders and cones stand where their keys say") {
+  const Scene scene = parse(R"("objects": [
+      {"type": "disk", "center": [1, 2, 3], "normal": [0, 4, 0], "radius": 0.5},
+      {"type": "cylinder", "from": [0, 0, 1], "to": [0, 6, 1], "radius": 2, "caps": false},
+      {"type": "cone", "from": [0, 0, 0], "to": [3, 0, 4], "radius_from": 2, "transform": {"translate": [1, 0, 0]}}])");
+  REQUIRE(scene.shapes.size() == 3);
+  const auto at = [&](std::size_t i, const DVec3& p) { return DVec3(scene.shapes[i].to_world * glm::dvec4(p, 1.0)); };
+  CHECK(scene.shapes[0].kind == ShapeKind::disk);
+  CHECK(scene.shapes[0].radius == 0.5);
+  CHECK(at(0, {0, 0, 1}) == DVec3(1, 3, 3));
+  CHECK(scene.shapes[1].kind == ShapeKind::cylinder);
+  CHECK_FALSE(scene.shapes[1].capped);
+  CHECK(scene.shapes[1].upper_radius == 2.0);
+  CHECK(at(1, {0, 0, -scene.shapes[1].half_height}) == DVec3(0, 0, 1));
+  CHECK(at(1, {0, 0, scene.shapes[1].half_height}) == DVec3(0, 6, 1));
+  CHECK(scene.shapes[2].kind == ShapeKind::cone);
+  CHECK(scene.shapes[2].capped);
+  CHECK(scene.shapes[2].radius == 2.0);
+  CHECK(scene.shapes[2].upper_radius == 0.0);
+  CHECK(glm::length(at(2, {0, 0, 2.5}) - DVec3(4, 0, 4)) < 1e-15);
+}
+
+TEST_CASE("json scene: a quadric's coefficients by name and in order, and its clip") {
+  const Scene scene = parse(R"("objects": [
+      {"type": "quadric", "coefficients": {"x2": 1, "y2": 2, "z2": 3, "xy": 0.1, "yz": 0.2, "zx": 0.3, "x": 4, "y": 5,
+       "z": 6, "1": -7}, "center": [1, 0, 0], "clip": {"box": {"min": [-1, 0, 0], "max": [3, 2, 4]}}},
+      {"type": "quadric", "coefficients": [1, 2, 3, 0.1, 0.2, 0.3, 4, 5, 6, -7]},
+      {"type": "quadric", "coefficients": {"z": 1}, "clip": {"sphere": {"center": [0, 0, 0.5], "radius": 2}}}])");
+  REQUIRE(scene.shapes.size() == 3);
+  const Shape& boxed = scene.shapes[0];
+  CHECK(boxed.coefficients == std::array<double, 10>{1, 2, 3, 0.1, 0.2, 0.3, 4, 5, 6, -7});
+  CHECK(boxed.coefficients == scene.shapes[1].coefficients);
+  CHECK(DVec3(boxed.to_world[3]) == DVec3(1, 0, 0));
+  CHECK(boxed.clip == Clip::box);
+  CHECK(boxed.clip_center == DVec3(1, 1, 2));
+  CHECK(boxed.clip_half == DVec3(2, 1, 2));
+  CHECK(scene.shapes[1].clip == Clip::none);
+  CHECK(scene.shapes[2].clip == Clip::sphere);
+  CHECK(scene.shapes[2].clip_center == DVec3(0, 0, 0.5));
+  CHECK(scene.shapes[2].clip_radius == 2.0);
+}
+
 TEST_CASE("json scene: the schema knows exactly the loader's keys") {
   std::ifstream file(std::string(HR_SOURCE_DIR) + "/scenes/scene.schema.json");
   REQUIRE(file);

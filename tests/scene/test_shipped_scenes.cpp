@@ -29,7 +29,7 @@ TEST_CASE("shipped scenes: all load") {
     if (!kinds.contains(path.extension().string()) || path.filename() == "scene.schema.json") continue;
     CAPTURE(path.filename().string());
     const Scene scene = load_scene(path);
-    CHECK(scene.objects.size() + scene.spheres.size() > 0);
+    CHECK(scene.objects.size() + scene.spheres.size() + scene.shapes.size() > 0);
     CHECK(scene.dropped_triangles == 0);
     CHECK(scene.has_camera);
     // A bare OBJ has neither camera nor light; the other files are complete.

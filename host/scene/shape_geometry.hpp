@@ -1,0 +1,22 @@
+// Shapes as the device wants them, and where they lie: computed in double, rounded once, bounds outwards.
+#pragma once
+
+#include <string>
+
+#include "host/scene/bounds.hpp"
+#include "host/scene/scene.hpp"
+#include "shared/scene_types.h"
+
+namespace hemiray {
+
+/// What keeps a shape from being traced, as "must be ..."; empty if nothing does.
+std::string shape_fault(const Shape& shape);
+
+/// Bounds in the world [m]: exact for disks, cylinders, cones and ellipsoids; where a quadric is clipped, too large by
+/// up to a thirty-second of the clip. The shape must be without fault.
+WorldBounds shape_bounds(const Shape& shape);
+
+/// The device's shape, but for its object. The shape must be without fault.
+shared::Shape flatten_shape(const Shape& shape);
+
+}  // namespace hemiray
