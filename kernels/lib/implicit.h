@@ -4,31 +4,29 @@
 
 #include "lib/intersect.h"
 #include "lib/polynomial.h"
+#include "lib/shape.h"
 
 // How much farther than the clip's own distances roots are sought: relative, more than these distances' rounding.
 #define HR_CLIP_PAD REAL(4e-6)
 
-static inline real3 implicit_to_object(global const Implicit* s, real3 v) {
-  return (real3)(dot3(param3(s->to_object_x), v), dot3(param3(s->to_object_y), v), dot3(param3(s->to_object_z), v));
-}
-
 // The part of the ray within the clip, a little widened.
-static inline bool implicit_interval(global const Implicit* s, const Ray* ray, real t_limit, real* t0, real* t1) {
-  const real3 center = (real3)(s->to_object_x.w, s->to_object_y.w, s->to_object_z.w);
-  const real3 o = implicit_to_object(s, ray->origin - center), d = implicit_to_object(s, ray->direction);
+static inline bool implicit_interval(global const Shape* s, const Ray* ray, real t_limit, real* t0, real* t1) {
+  const real3 from = ray->origin - shape_place(s), middle_of_clip = param3(s->linear);
+  const real3 o = vector_to_own(s, from), d = vector_to_own(s, ray->direction);
   real near, far;
-  if (s->flags & HR_IMPLICIT_CLIP_SPHERE) {
-    const real3 oc = o - param3(s->clip_lo);
+  if (s->flags & HR_SHAPE_CLIP_SPHERE) {
+    const real3 oc = o - middle_of_clip;
     const real length2 = dot3(d, d), middle = -dot3(oc, d) / length2;
     const real3 closest = oc + d * middle;
-    const real radius = s->clip_lo.w * (1 + HR_CLIP_PAD);
+    const real radius = s->clip.w * (1 + HR_CLIP_PAD) + HR_GAMMA(24) * (fabs(oc.x) + fabs(oc.y) + fabs(oc.z));
     const real rest = (radius * radius - dot3(closest, closest)) / length2;
     if (!(rest >= 0)) return false;
     near = middle - sqrt(rest);
     far = middle + sqrt(rest);
   } else {
     const real3 inverse = (real3)(safe_reciprocal(d.x), safe_reciprocal(d.y), safe_reciprocal(d.z));
-    const real3 a = (param3(s->clip_lo) - o) * inverse, b = (param3(s->clip_hi) - o) * inverse;
+    const real3 a = (middle_of_clip - param3(s->clip) - o) * inverse;
+    const real3 b = (middle_of_clip + param3(s->clip) - o) * inverse;
     const real3 lo = min(a, b), hi = max(a, b);
     near = max(max(lo.x, lo.y), lo.z);
     far = min(min(hi.x, hi.y), hi.z);
@@ -41,7 +39,7 @@ static inline bool implicit_interval(global const Implicit* s, const Ray* ray, r
 
 typedef struct ImplicitSearch {
   global const uint4* tapes;
-  global const Implicit* surface;
+  global const Shape* surface;
   real3 origin, direction;
   float m, h;  // t = m + h s
   real t_min, t_limit;
@@ -57,7 +55,7 @@ static inline uint implicit_look_closer(ImplicitSearch* search, HR_WIDE_ERR t_lo
   const float hi = (float)min(t_hi + reach, (HR_WIDE_ERR)search->m + search->h);
   // Rounded to float, outwards: that is all that is needed of a place to expand about.
   const float m = 0.5f * (lo + hi);
-  const float h = max(nextafter(hi, INFINITY) - m, m - nextafter(lo, -INFINITY));
+  const float h = max(nextafter(hi, (float)INFINITY) - m, m - nextafter(lo, -(float)INFINITY));
   HR_WIDE(Poly) p;
   HR_WIDE(poly_along)
   (search->tapes, search->surface, search->origin, search->direction, HR_WIDE_OF(m), HR_WIDE_OF(h), HR_MAX_DEGREE, &p);
@@ -106,7 +104,7 @@ static inline bool implicit_wide(ImplicitSearch* search, ulong at, int sign, rea
         root = HR_WIDE_LINEAR(t_lo, HR_WIDE_OF(0.5f), HR_WIDE_LINEAR(t_hi, HR_WIDE_OF(0.5f), HR_WIDE_OF(0)));
       }
     }
-    *t = HR_WIDE_ROUNDED(root);
+    *t = HR_WIDE_REAL(root);
     if (*t >= search->t_limit) return false;
     if (*t > search->t_min) return true;
   }
@@ -126,17 +124,17 @@ static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, flo
     if (p.degree == 0) return false;
     const HR_WIDE_NUM move = HR_WIDE_QUOTIENT(p.c[0], p.c[1]);
     at = HR_WIDE_LINEAR(move, HR_WIDE_OF(-1), at);
-    const float here = HR_WIDE_ROUNDED(at);
-    if (!(here >= t_lo - HR_HALF_ULP * size && here <= t_hi + HR_HALF_ULP * size)) return false;
+    const real here = HR_WIDE_REAL(at);
+    if (!(here >= t_lo - HR_UNIT_F * size && here <= t_hi + HR_UNIT_F * size)) return false;
     *t = here;
-    if (fabs((float)HR_WIDE_HIGH(move)) <= 0.0625f * HR_HALF_ULP * size) return true;
+    if (fabs((real)HR_WIDE_HIGH(move)) <= REAL(0.0625) * HR_HALF_ULP * size) return true;
   }
   return false;
 }
 
 // The smallest t in (t_min, t_limit) at which the ray meets the surface within its clip. *uncertain is raised by the
 // number of regions in front of it that could be neither excluded nor found to hold a root.
-static inline bool intersect_implicit(global const uint4* tapes, global const Implicit* surface, const Ray* ray,
+static inline bool intersect_implicit(global const uint4* tapes, global const Shape* surface, const Ray* ray,
                                       real t_limit, real* t, uint* uncertain) {
 #pragma OPENCL FP_CONTRACT OFF
   real t0, t1;
@@ -147,7 +145,7 @@ static inline bool intersect_implicit(global const uint4* tapes, global const Im
   search.origin = ray->origin;
   search.direction = ray->direction;
   search.m = 0.5f * (float)(t0 + t1);
-  search.h = max(nextafter((float)t1, INFINITY) - search.m, search.m - nextafter((float)t0, -INFINITY));
+  search.h = max(nextafter((float)t1, (float)INFINITY) - search.m, search.m - nextafter((float)t0, -(float)INFINITY));
   search.t_min = ray->t_min;
   search.t_limit = t_limit;
   search.uncertain = 0;
@@ -177,27 +175,27 @@ static inline bool intersect_implicit(global const uint4* tapes, global const Im
 
 // The point at t, moved onto the surface by one Newton step along the gradient; `error` bounds what is left per axis,
 // the step itself included. `normal` is the unit gradient, or against the ray where the gradient is not certain.
-static inline void implicit_surface_at(global const uint4* tapes, global const Implicit* surface, real3 origin,
-                                       real3 direction, real t, real3* position, real3* error, real3* normal) {
+static inline void implicit_surface(global const uint4* tapes, global const Shape* surface, real3 origin,
+                                    real3 direction, real t, real3* position, real3* error, real3* normal) {
 #pragma OPENCL FP_CONTRACT OFF
   const real3 p = origin + direction * t;
-  float value = 0, value_error = 0, gradient[3];
+  real value = 0, value_error = 0, gradient[3];
   HR_WIDE(Poly) axis[3], f;
   HR_WIDE(poly_line)(surface, origin, direction, HR_WIDE_OF(t), HR_WIDE_OF(0), axis);
   for (int k = 0; k < 3; k++) {
     for (int j = 0; j < 3; j++) axis[j].c[1] = HR_WIDE_OF(j == k ? 1 : 0);
-    HR_WIDE(poly_evaluate)(tapes + surface->first_instruction, surface->instruction_count, axis, 1, &f);
-    value = HR_WIDE_ROUNDED(f.c[0]);
-    gradient[k] = f.degree > 0 ? HR_WIDE_ROUNDED(f.c[1]) : 0;
-    value_error = max(value_error, (float)f.error);
+    HR_WIDE(poly_evaluate)(tapes + as_uint(surface->form.x), as_uint(surface->form.y), axis, 1, &f);
+    value = HR_WIDE_REAL(f.c[0]);
+    gradient[k] = f.degree > 0 ? HR_WIDE_REAL(f.c[1]) : 0;
+    value_error = max(value_error, (real)f.error);
   }
-  // The gradient in the world is the transpose of M times that in the object; first to a size that can be squared.
-  const float largest = max(max(fabs(gradient[0]), fabs(gradient[1])), fabs(gradient[2]));
+  // First to a size that can be squared.
+  const real largest = max(max(fabs(gradient[0]), fabs(gradient[1])), fabs(gradient[2]));
   const bool good = largest > 4 * value_error && largest < INFINITY;
-  const float scale = good ? 1 / largest : 0;
-  const real3 g = param3(surface->to_object_x) * (gradient[0] * scale) +
-                  param3(surface->to_object_y) * (gradient[1] * scale) +
-                  param3(surface->to_object_z) * (gradient[2] * scale);
+  const real scale = good ? 1 / largest : 0;
+  const real3 own = (real3)(gradient[0], gradient[1], gradient[2]) * scale;
+  const real3 g =
+      param3(surface->to_own_x) * own.x + param3(surface->to_own_y) * own.y + param3(surface->to_own_z) * own.z;
   const real length2 = dot3(g, g);
   if (!good || !(length2 > 0)) {
     *normal = -normalize3(direction);

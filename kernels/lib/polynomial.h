@@ -21,6 +21,7 @@
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #endif
 
+#define HR_UNIT_F 5.9604645e-8f /* 2^-24 */
 #define HR_COEFFICIENTS (HR_MAX_DEGREE + 1)
 
 // Places in [-1, 1] are counted in steps of 2^-39 from -1: exact in double and float-float, and in float down to the
@@ -44,7 +45,7 @@
 #define HR_N(name) name##_f
 #define HR_NUM float
 #define HR_ERR float
-#define HR_UNIT 5.9604645e-8f /* 2^-24 */
+#define HR_UNIT HR_UNIT_F
 #define HR_TINY 6.1e-36f      /* 2^-117: 512 results of a product below the normal range */
 #define HR_ROUND_UP 1.000004f /* 1 + 2^-18 */
 #define HR_STEPS 16           /* halvings of [-1, 1] at most */
@@ -68,7 +69,7 @@
 #define HR_WIDE_ERR double
 #define HR_WIDE_OF(x) ((double)(x))
 #define HR_WIDE_HIGH(a) (a)
-#define HR_WIDE_ROUNDED(a) ((float)(a))
+#define HR_WIDE_REAL(a) ((real)(a))
 #define HR_WIDE_LINEAR(a, b, c) fma(a, b, c)
 #define HR_WIDE_QUOTIENT(a, b) ((a) / (b))
 #define HR_N(name) name##_d
@@ -97,7 +98,7 @@
 #define HR_WIDE_ERR float
 #define HR_WIDE_OF(x) ((float2)((float)(x), 0.0f))
 #define HR_WIDE_HIGH(a) ((a).x)
-#define HR_WIDE_ROUNDED(a) ((a).x + (a).y)
+#define HR_WIDE_REAL(a) ((real)(a).x + (real)(a).y)
 #define HR_WIDE_LINEAR(a, b, c) df_add(df_mul(a, b), c)
 #define HR_WIDE_QUOTIENT(a, b) df_div(a, b)
 #define HR_N(name) name##_q

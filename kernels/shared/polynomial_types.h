@@ -28,24 +28,4 @@
 #define HR_TAPE_NIP 14u       /* remove under */
 #define HR_TAPE_OP_COUNT 15u
 
-HR_SHARED_BEGIN
-
-#define HR_IMPLICIT_CLIP_SPHERE 1u /* the clip is a sphere; else a box */
-
-// The surface f(M (p_world - center)) = 0 within its clip. M and center count as exact: whatever they are, they say
-// where the surface is.
-typedef struct Implicit {
-  float4 to_object_x;  // row of M; w = center [m]
-  float4 to_object_y;
-  float4 to_object_z;
-  float4 clip_lo;  // box in object space; sphere: its centre, w = radius
-  float4 clip_hi;
-  uint first_instruction;  // in tapes
-  uint instruction_count;
-  uint degree;
-  uint flags;
-} Implicit;
-
-HR_SHARED_END
-
 #endif

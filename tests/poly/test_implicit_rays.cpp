@@ -15,6 +15,7 @@
 
 #include "host/gpu/program.hpp"
 #include "host/scene/expression.hpp"
+#include "kernels/shared/scene_types.h"
 #include "tests/reference/polynomial_roots.hpp"
 #include "tests/support/kernel_folder.hpp"
 
@@ -26,7 +27,7 @@ using reference::PrecisePolynomial;
 using DMat3 = glm::dmat3;
 
 constexpr const char* kProbe = R"(#include "lib/implicit.h"
-kernel void first_hits(global const uint4* tapes, global const Implicit* surface, global const float4* ray_of,
+kernel void first_hits(global const uint4* tapes, global const Shape* surface, global const float4* ray_of,
                        global float4* found, global uint* open) {
   const uint i = (uint)get_global_id(0);
   const real3 o = ray_of[2 * i].xyz, d = ray_of[2 * i + 1].xyz;
@@ -36,12 +37,12 @@ kernel void first_hits(global const uint4* tapes, global const Implicit* surface
   const bool hit = intersect_implicit(tapes, surface, &ray, INFINITY, &t, &uncertain);
   open[i] = uncertain;
   real3 p = 0, error = 0, n = 0;
-  if (hit) implicit_surface_at(tapes, surface, o, d, t, &p, &error, &n);
+  if (hit) implicit_surface(tapes, surface, o, d, t, &p, &error, &n);
   found[3 * i] = (float4)(p, hit ? t : -1);
   found[3 * i + 1] = (float4)(n, 0);
   found[3 * i + 2] = (float4)(error, 0);
 }
-kernel void polynomials(global const uint4* tapes, global const Implicit* surface, global const float4* ray_of,
+kernel void polynomials(global const uint4* tapes, global const Shape* surface, global const float4* ray_of,
                         global float2* found) {
   const uint i = (uint)get_global_id(0);
   const real3 o = ray_of[2 * i].xyz, d = ray_of[2 * i + 1].xyz;
@@ -95,28 +96,28 @@ struct Shot {
   float t_min = 0.0F;
 };
 
-shared::Implicit place(const Form& form, const Expression& expression, const DMat3& turn, double scale, DVec3 center) {
-  shared::Implicit s{};
+shared::Shape place(const Form& form, const Expression& expression, const DMat3& turn, double scale, DVec3 center) {
+  shared::Shape s{};
   const DMat3 m = glm::transpose(turn) / scale;  // to the object
   const auto row = [&m, &center](int i) {
     return shared::float4{static_cast<float>(m[0][i]), static_cast<float>(m[1][i]), static_cast<float>(m[2][i]),
                           static_cast<float>(center[i])};
   };
-  s.to_object_x = row(0);
-  s.to_object_y = row(1);
-  s.to_object_z = row(2);
-  s.clip_lo = {-form.clip, -form.clip, -form.clip, 0};
-  s.clip_hi = {form.clip, form.clip, form.clip, 0};
-  s.instruction_count = static_cast<std::uint32_t>(expression.tape.size());
-  s.degree = expression.degree;
+  s.to_own_x = row(0);
+  s.to_own_y = row(1);
+  s.to_own_z = row(2);
+  s.clip = {form.clip, form.clip, form.clip, 0};
+  s.form.y = std::bit_cast<float>(static_cast<std::uint32_t>(expression.tape.size()));
+  s.kind = HR_SHAPE_IMPLICIT;
+  s.flags = HR_SHAPE_CLIP_BOX;
   return s;
 }
 
 // f(M (o + d (m + h s) - c)) without rounding to speak of.
-PrecisePolynomial along(const Expression& expression, const shared::Implicit& s, const Shot& shot, double m, double h) {
+PrecisePolynomial along(const Expression& expression, const shared::Shape& s, const Shot& shot, double m, double h) {
   std::vector<PrecisePolynomial> axis;
-  for (const shared::float4& row : {s.to_object_x, s.to_object_y, s.to_object_z}) {
-    const Precise center[3] = {s.to_object_x.w, s.to_object_y.w, s.to_object_z.w};
+  for (const shared::float4& row : {s.to_own_x, s.to_own_y, s.to_own_z}) {
+    const Precise center[3] = {s.to_own_x.w, s.to_own_y.w, s.to_own_z.w};
     const float entries[3] = {row.x, row.y, row.z};
     Precise at = 0, way = 0;
     for (int k = 0; k < 3; k++) {
@@ -169,18 +170,18 @@ PrecisePolynomial along(const Expression& expression, const shared::Implicit& s,
   return stack.back();
 }
 
-DVec3 to_object(const shared::Implicit& s, const DVec3& v) {
+DVec3 to_object(const shared::Shape& s, const DVec3& v) {
   const auto dot = [&v](const shared::float4& row) { return row.x * v.x + row.y * v.y + row.z * v.z; };
-  return {dot(s.to_object_x), dot(s.to_object_y), dot(s.to_object_z)};
+  return {dot(s.to_own_x), dot(s.to_own_y), dot(s.to_own_z)};
 }
 
 // The part of the ray in the clip's cube.
-std::optional<std::pair<double, double>> in_clip(const shared::Implicit& s, const Shot& shot) {
-  const DVec3 o = to_object(s, DVec3(shot.origin) - DVec3(s.to_object_x.w, s.to_object_y.w, s.to_object_z.w));
+std::optional<std::pair<double, double>> in_clip(const shared::Shape& s, const Shot& shot) {
+  const DVec3 o = to_object(s, DVec3(shot.origin) - DVec3(s.to_own_x.w, s.to_own_y.w, s.to_own_z.w));
   const DVec3 d = to_object(s, DVec3(shot.direction));
   double t0 = shot.t_min, t1 = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; k++) {
-    const double clip = s.clip_hi.x;
+    const double clip = s.clip.x;
     if (d[k] == 0.0) {
       if (std::abs(o[k]) > clip) return std::nullopt;
       continue;
@@ -200,7 +201,7 @@ struct Answers {
 
 // One kernel of the probe over all shots, and what it found.
 template <typename T>
-std::vector<T> run(const std::string& kernel, const Expression& expression, const shared::Implicit& surface,
+std::vector<T> run(const std::string& kernel, const Expression& expression, const shared::Shape& surface,
                    const std::vector<Shot>& shots, const std::string& defines, std::size_t each,
                    std::vector<std::uint32_t>* open_regions) {
   std::vector<shared::float4> rays;
@@ -211,9 +212,9 @@ std::vector<T> run(const std::string& kernel, const Expression& expression, cons
   const test::KernelFolder folder("probe/hits.cl", defines + kAsTwo + kProbe);
   Context context(choose_device(""));
   Program program(context, "hits", {"probe/hits.cl"}, {});
-  const std::vector<shared::Implicit> one = {surface};
+  const std::vector<shared::Shape> one = {surface};
   const Buffer<shared::uint4> tapes(context, "tapes", std::span<const shared::uint4>(expression.tape));
-  const Buffer<shared::Implicit> device_surface(context, "surface", std::span<const shared::Implicit>(one));
+  const Buffer<shared::Shape> device_surface(context, "surface", std::span<const shared::Shape>(one));
   const Buffer<shared::float4> ray_of(context, "rays", std::span<const shared::float4>(rays));
   const Buffer<T> found(context, "found", each * shots.size());
   const Buffer<std::uint32_t> open(context, "open", shots.size());
@@ -225,7 +226,7 @@ std::vector<T> run(const std::string& kernel, const Expression& expression, cons
   return found.read();
 }
 
-Answers shoot(const Expression& expression, const shared::Implicit& surface, const std::vector<Shot>& shots,
+Answers shoot(const Expression& expression, const shared::Shape& surface, const std::vector<Shot>& shots,
               const std::string& defines) {
   Answers answers;
   answers.found = run<shared::float4>("first_hits", expression, surface, shots, defines, 3, &answers.open);
@@ -253,7 +254,7 @@ struct Truth {
   Precise begin, end;
 };
 
-Truth truth_of(const Expression& expression, const shared::Implicit& surface, const Shot& shot) {
+Truth truth_of(const Expression& expression, const shared::Shape& surface, const Shot& shot) {
   Truth truth;
   const auto range = in_clip(surface, shot);
   if (!range) return truth;
@@ -380,7 +381,7 @@ TEST_CASE("implicit surfaces: no first root is missed and none invented") {
       const double scale = far ? 0.1 : 1.0;
       const DVec3 center = far ? DVec3(10, -20, 5) : DVec3(0.0);
       const DMat3 turned = far ? turn : DMat3(1.0);
-      const shared::Implicit surface = place(form, expression, turned, scale, center);
+      const shared::Shape surface = place(form, expression, turned, scale, center);
       const std::size_t count = ray_count() / (far ? 4 : 1) / (expression.degree > 8 ? 4 : 1);
       const std::vector<Shot> shots = make_shots(form, expression, turned, scale, center, count, places);
       std::vector<Truth> truths;
@@ -409,7 +410,7 @@ TEST_CASE("implicit surfaces: the bound of the coefficients' error holds, and is
   Places places(12);
   for (const Form& form : forms()) {
     const Expression expression = parse_expression(form.text, form.constants);
-    const shared::Implicit surface = place(form, expression, DMat3(1.0), 0.7, DVec3(0.3, -0.2, 5.0));
+    const shared::Shape surface = place(form, expression, DMat3(1.0), 0.7, DVec3(0.3, -0.2, 5.0));
     std::vector<Shot> shots;
     for (int i = 0; i < 200; i++) {
       const DVec3 from = DVec3(0.3, -0.2, 5.0) + 3.0 * places.direction();
@@ -442,7 +443,7 @@ TEST_CASE("implicit surfaces: the bound of the coefficients' error holds, and is
 TEST_CASE("implicit sphere: the source's worked example, to the last bit") {
   const Form form = {"sphere", "x^2 + y^2 + z^2 - 4", {}, 2.5F};
   const Expression expression = parse_expression(form.text, {});
-  const shared::Implicit surface = place(form, expression, DMat3(1.0), 1.0, DVec3(0.0));
+  const shared::Shape surface = place(form, expression, DMat3(1.0), 1.0, DVec3(0.0));
   const Answers answers = shoot(expression, surface, {{{1, 1, 0}, {2, 1, 1}}}, "");
   const double root = std::sqrt(21.0);
   CHECK(answers.open[0] == 0);
