@@ -10,7 +10,8 @@ mapfile -d '' -t files < <(find host kernels tests bench fuzz -type f \
 
 awk '
 BEGIN {
-  # Host folders, and the folders each may include besides itself: base <- gpu <- scene <- effects <- plan, study <- app.
+  # Host folders, and the folders each may include besides itself: base <- gpu <- scene <- bvh <- path, bench <- api, app,
+  # with room for more effects beside path, and for what plans and studies them above.
   below["base"] = ""
   below["gpu"] = "base"
   below["scene"] = "base gpu"

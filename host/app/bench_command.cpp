@@ -17,8 +17,9 @@
 #include "host/base/error.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/read_file.hpp"
+#include "host/base/spelling.hpp"
 #include "host/bench/processor.hpp"
-#include "host/scene/spelling.hpp"
+#include "host/gpu/device_list.hpp"
 
 namespace hemiray::app {
 namespace {
@@ -97,20 +98,22 @@ std::vector<BenchTarget> choose_targets(const BenchArguments& given) {
     }
     targets.push_back({scene, 0});
   }
+  const auto is_file = [](const BenchTarget& target) { return target.triangles == 0; };
+  if (!given.triangles.empty() && std::all_of(targets.begin(), targets.end(), is_file)) {
+    throw InputError("--triangles",
+                     "only files are given, which have their own size; leave it out, or name a scene of " +
+                         fmt::format("{}", fmt::join(bench::procedural_scene_names(), ", ")));
+  }
   return targets;
 }
 
-std::vector<bench::Bar> load_bars(const BenchArguments& given, const std::vector<BenchTarget>& targets) {
-  if (!given.peers) throw InputError("--bars", "bars are ratios to Embree's figures: give --peers, too");
-  const fs::path file =
-      given.bars.empty() || given.bars[0].empty() ? data_file("bench/bars.json") : fs::path(given.bars[0]);
-  const std::vector<std::uint8_t> bytes = read_file(file, kMaxBarsBytes);
-  std::vector<bench::Bar> bars =
-      bench::parse_bars({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
+// Bars that are ratios hold the interior, at their sizes, on processors.
+void check_ratios(const std::vector<bench::Bar>& bars, const std::string& file, const std::vector<BenchTarget>& targets,
+                  const DeviceInfo& device) {
   const bench::Processor processor = bench::this_processor();
   const std::vector<std::uint32_t> sizes = bench::bar_sizes(bars, processor.vector_class);
   if (sizes.empty()) {
-    throw InputError("--bars", fmt::format("{} has no bars for this processor, {} ({})", file.string(), processor.name,
+    throw InputError("--bars", fmt::format("{} has no bars for this processor, {} ({})", file, processor.name,
                                            processor.vector_class.empty() ? "no AVX2" : processor.vector_class));
   }
   const bool any = std::any_of(targets.begin(), targets.end(), [&](const BenchTarget& target) {
@@ -120,6 +123,23 @@ std::vector<bench::Bar> load_bars(const BenchArguments& given, const std::vector
     throw InputError("--bars", fmt::format("bars hold the scene interior at {} triangles, which is not measured here",
                                            fmt::join(sizes, " or ")));
   }
+  if (device.kind != DeviceKind::cpu) {
+    throw InputError("--bars", fmt::format("bars are for processors, {} is none", device.name));
+  }
+}
+
+std::vector<bench::Bar> load_bars(Context& context, const BenchArguments& given,
+                                  const std::vector<BenchTarget>& targets) {
+  const std::string file =
+      given.bars.empty() || given.bars[0].empty() ? data_file("bench/bars.json").string() : given.bars[0];
+  const std::vector<std::uint8_t> bytes = read_file(file, kMaxBarsBytes);
+  std::vector<bench::Bar> bars = bench::parse_bars({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file);
+  const bool has_ratios =
+      std::any_of(bars.begin(), bars.end(), [](const bench::Bar& bar) { return bar.kind != bench::BarKind::leaks; });
+  if (has_ratios && !given.peers) throw InputError("--bars", "bars are ratios to Embree's figures: give --peers, too");
+  if (!has_ratios && !given.leaks) throw InputError("--bars", file + " has bars for leaks alone: give --leaks, too");
+  bench::check_bar_names(bars, contender_names(context, given.peers), file);
+  if (has_ratios) check_ratios(bars, file, targets, context.device());
   return bars;
 }
 
@@ -151,7 +171,6 @@ int run_bench_command(const BenchArguments& given) {
   BenchPlan plan;
   plan.targets = choose_targets(given);
   if (given.peers) peer_name();
-  if (given.judged) plan.bars = load_bars(given, plan.targets);
   plan.peers = given.peers;
   plan.quick = given.quick;
   plan.leaks = given.leaks;
@@ -163,10 +182,9 @@ int run_bench_command(const BenchArguments& given) {
   plan.leak_rays = given.leak_rays;
   if (plan.resolution % 32 != 0) throw InputError("--resolution", "not a multiple of 32");
   if (plan.leak_rays % 64 != 0) throw InputError("--leak-rays", "not a multiple of 64");
-  Context context(choose_device(given.device));
-  if (given.judged && context.device().kind != DeviceKind::cpu) {
-    throw InputError("--bars", fmt::format("bars are for processors, {} is none", context.device().name));
-  }
+  Context context(choose_single_device(given.device, "bench measures"));
+  if (given.judged) plan.bars = load_bars(context, given, plan.targets);
+  check_tracers(context, plan);
   prepare_outputs(given);
 
   const InterruptGuard interrupt;

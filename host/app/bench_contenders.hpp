@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "host/bench/bars.hpp"
 #include "host/bench/run.hpp"
 #include "host/gpu/context.hpp"
 
@@ -20,10 +21,15 @@ struct ContenderOptions {
 std::string peer_name();
 
 /// For timing a scene of so many triangles; the first is the one the others are compared with: Embree's default where
-/// there are peers, else our watertight single ray. Throws InputError if `only` leaves none.
+/// there are peers, else our watertight single ray. Ours in packets only where the device has them. Nothing is compiled
+/// before the first build. Throws InputError if `only` leaves none, or none of ours but packets that there are not.
 bench::Tracers make_tracers(Context& context, const ContenderOptions& options, std::size_t triangles);
 
-/// For counting leaks: both triangle tests, single rays and packets, and Embree's default and ROBUST scenes.
+/// For counting leaks: both triangle tests, single rays and packets, and Embree's default and ROBUST scenes. Otherwise
+/// as make_tracers().
 bench::Tracers make_leak_tracers(Context& context, const ContenderOptions& options);
+
+/// Names of all that this build can measure, in scenes of any size and on devices with packets.
+bench::BarNames contender_names(Context& context, bool peers);
 
 }  // namespace hemiray::app

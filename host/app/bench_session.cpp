@@ -9,6 +9,7 @@
 #include "host/app/bench_engines.hpp"
 #include "host/base/build_info.hpp"
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
 #include "host/base/progress.hpp"
 #include "host/bench/processor.hpp"
 #include "host/bench/ray_sets.hpp"
@@ -41,9 +42,10 @@ bench::BenchScene file_scene(const std::string& file, std::vector<std::string>& 
   FlatScene& flat = measured.flat;
   if (flat.triangles.empty()) throw InputError(file, "has no triangles, which is what the benchmark measures");
   if (!flat.spheres.empty() || !flat.shapes.empty() || !flat.planes.empty()) {
-    const std::string shapes = flat.shapes.empty() ? "" : fmt::format(", {} other shapes", flat.shapes.size());
-    notes.push_back(fmt::format("{}: measured without its {} spheres{} and {} planes", file, flat.spheres.size(),
-                                shapes, flat.planes.size()));
+    const std::string shapes = flat.shapes.empty() ? "" : ", " + format_count(flat.shapes.size(), "other shape");
+    notes.push_back(fmt::format("{}: measured without its {}{} and {}", file,
+                                format_count(flat.spheres.size(), "sphere"), shapes,
+                                format_count(flat.planes.size(), "plane")));
     flat.spheres.clear();
     flat.shapes.clear();
     flat.planes.clear();
@@ -144,9 +146,7 @@ void measure_leaks(Context& context, const BenchPlan& plan, const ContenderOptio
   display.show(bench::leaks_table(report.leaks));
 }
 
-}  // namespace
-
-bench::Report run_bench(Context& context, const BenchPlan& plan, const BenchOutput& output) {
+ContenderOptions contenders_of(const Context& context, const BenchPlan& plan) {
   ContenderOptions options;
   options.peers = plan.peers;
   options.quick = plan.quick;
@@ -155,7 +155,19 @@ bench::Report run_bench(Context& context, const BenchPlan& plan, const BenchOutp
   const bool on_cpu = context.device().kind == DeviceKind::cpu;
   options.threads = std::max(
       1U, on_cpu ? static_cast<unsigned>(context.device().compute_units) : std::thread::hardware_concurrency());
+  return options;
+}
 
+}  // namespace
+
+void check_tracers(Context& context, const BenchPlan& plan) {
+  const ContenderOptions options = contenders_of(context, plan);
+  for (const BenchTarget& target : plan.targets) make_tracers(context, options, target.triangles);
+  if (plan.leaks) make_leak_tracers(context, options);
+}
+
+bench::Report run_bench(Context& context, const BenchPlan& plan, const BenchOutput& output) {
+  const ContenderOptions options = contenders_of(context, plan);
   bench::Report report;
   report.machine = describe(context, plan, options.threads);
   Display display(plan, output);

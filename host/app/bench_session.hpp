@@ -34,6 +34,10 @@ struct BenchOutput {
   std::function<bool()> should_stop;             ///< asked after each turn
 };
 
+/// Throws InputError where `tracers` leaves a scene of the plan, or its leaks, without any; a file may turn out to have
+/// too many triangles for those it names.
+void check_tracers(Context& context, const BenchPlan& plan);
+
 /// Measures everything in the plan on the context's device, with progress on stderr. Stopped, it returns what is
 /// complete, without verdicts, as interrupted. Throws InputError for scenes that cannot be loaded or measured,
 /// DeviceError where the device fails.

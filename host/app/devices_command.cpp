@@ -48,7 +48,7 @@ void print(const DeviceInfo& d, bool chosen) {
   const DeviceProfile profile = profile_for(d);
   fmt::print("{} {}{}\n", d.index, d.name, chosen ? "  (default)" : "");
   fmt::print("    platform   {} ({})\n    driver     {} | {}\n", d.platform, d.platform_version, d.driver, d.version);
-  fmt::print("    kind       {}, {} compute units\n", to_string(d.kind), d.compute_units);
+  fmt::print("    kind       {}, {}\n", to_string(d.kind), format_count(d.compute_units, "compute unit"));
   fmt::print("    memory     {}, at most {} in one piece\n", format_bytes(d.global_bytes),
              format_bytes(d.max_allocation_bytes));
   fmt::print("    numbers    double precision: {}; divide and square root correctly rounded: {}\n",

@@ -14,7 +14,7 @@
 #include "host/app/commands.hpp"
 #include "host/base/build_info.hpp"
 #include "host/base/error.hpp"
-#include "host/scene/spelling.hpp"
+#include "host/base/spelling.hpp"
 
 namespace {
 

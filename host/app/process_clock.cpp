@@ -3,11 +3,22 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string>
 
 namespace hemiray::app {
+
+namespace {
+
+// [s since the machine's start]; 0 where nothing was built, or it is not told.
+double built_at() {
+  const char* text = std::getenv("HEMIRAY_BUILT_AT");
+  return text != nullptr ? std::strtod(text, nullptr) : 0.0;
+}
+
+}  // namespace
 
 double seconds_since_process_start() {
   std::ifstream file("/proc/self/stat");
@@ -22,7 +33,9 @@ double seconds_since_process_start() {
   timespec now{};
   if (!fields || clock_gettime(CLOCK_BOOTTIME, &now) != 0) return 0.0;
   const double start = std::stod(field) / static_cast<double>(sysconf(_SC_CLK_TCK));
-  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9 - start;
+  const double end = static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+  const double built = built_at();
+  return end - (built > start && built <= end ? built : start);
 }
 
 }  // namespace hemiray::app

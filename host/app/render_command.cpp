@@ -44,11 +44,12 @@ Interrupt (Ctrl-C) finishes the pass, writes what is there and exits with 130.)"
 
 struct RenderArguments {
   std::string scene, output, device, engine = "wavefront", accel = "bvh", tree = "quality", triangle = "watertight",
-                                     rays = "auto", size, png, trace, dump_kernels;
+                                     rays = "auto", terminator = "smooth", precision = "single", size, png, trace,
+                                     dump_kernels;
   int spp = 4, depth = -1;
   std::uint32_t seed = 0;
   double exposure = 0.0;
-  bool strict = false, quiet = false, json = false;
+  bool has_tree = false, strict = false, quiet = false, json = false;
 };
 
 // "640x480" -> width and height.
@@ -72,10 +73,26 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
+// An option without effect is a mistake: who gives it expects one.
+void check_effective(const RenderArguments& given, const RenderOptions& options) {
+  const bool groups = given.rays == "packets" || given.rays == "sorted";
+  if (groups && options.engine == EngineKind::megakernel) {
+    throw InputError("--rays " + given.rays,
+                     "only the wavefront groups rays, not --engine megakernel; leave one of the two out");
+  }
+  if (given.exposure != 0.0 && given.png.empty()) {
+    throw InputError("--exposure", "is for the picture of --png, which is not asked for; name one, or leave it out");
+  }
+  if (given.has_tree && options.accel.kind != AccelKind::bvh) {
+    throw InputError("--tree " + given.tree, "is for bvh and bvh2; leave it out with --accel " + given.accel);
+  }
+}
+
 RenderOptions to_options(const RenderArguments& given) {
   RenderOptions options;
   options.engine = given.engine == "megakernel" ? EngineKind::megakernel : EngineKind::wavefront;
   options.accel = parse_accel(given.accel);
+  check_effective(given, options);
   options.accel.builder = given.tree == "fast" ? TreeBuilder::fast : TreeBuilder::quality;
   options.accel.triangle_test = given.triangle == "fast" ? TriangleTest::fast : TriangleTest::watertight;
   if (given.rays == "single") options.rays = RayGrouping::single;
@@ -86,6 +103,8 @@ RenderOptions to_options(const RenderArguments& given) {
   options.depth = given.depth;
   options.seed = given.seed;
   options.strict = given.strict;
+  options.smooth_terminator = given.terminator == "smooth";
+  options.double_precision = given.precision == "double";
   return options;
 }
 
@@ -117,12 +136,16 @@ RenderFacts gather_facts(const RenderArguments& given, const Scene& scene, const
   facts.height = options.height > 0 ? options.height : scene.camera.height;
   facts.seed = given.seed;
   facts.strict = given.strict;
+  facts.terminator = given.terminator;
+  facts.precision = given.precision;
   facts.spp = given.spp;
   facts.depth = given.depth >= 0 ? given.depth : scene.depth;
+  const std::string tree = options.accel.kind == AccelKind::bvh ? " --tree " + given.tree : "";
   facts.options = fmt::format(
-      "--engine {} --accel {} --tree {} --triangle {} --rays {} --size {}x{} --spp {} --depth {} --seed {}{}",
-      facts.engine, given.accel, given.tree, given.triangle, given.rays, facts.width, facts.height, facts.spp,
-      facts.depth, facts.seed, facts.strict ? " --strict" : "");
+      "--engine {} --accel {}{} --triangle {} --rays {} --terminator {} --precision {} --size {}x{} --spp {} --depth "
+      "{} --seed {}{}",
+      facts.engine, given.accel, tree, given.triangle, given.rays, given.terminator, given.precision, facts.width,
+      facts.height, facts.spp, facts.depth, facts.seed, facts.strict ? " --strict" : "");
   facts.notes = scene.notes;
   return facts;
 }
@@ -223,9 +246,10 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option("--accel", given->accel, "Acceleration structure; all give the same hits")
       ->check(CLI::IsMember({"bvh", "bvh2", "octree", "kdtree", "kdtree-median"}))
       ->capture_default_str();
-  command->add_option("--tree", given->tree, "How the bvh is built: quality traces faster, fast builds faster")
-      ->check(CLI::IsMember({"quality", "fast"}))
-      ->capture_default_str();
+  CLI::Option* tree =
+      command->add_option("--tree", given->tree, "How a bvh is built: quality traces faster, fast builds faster")
+          ->check(CLI::IsMember({"quality", "fast"}))
+          ->capture_default_str();
   command->add_option("--triangle", given->triangle, "Triangle test; watertight lets no ray slip between neighbours")
       ->check(CLI::IsMember({"watertight", "fast"}))
       ->capture_default_str();
@@ -235,13 +259,28 @@ void add_render_command(CLI::App& app, int& exit_code) {
                    "ones sorted; auto takes what pays")
       ->check(CLI::IsMember({"auto", "single", "packets", "sorted"}))
       ->capture_default_str();
+  command
+      ->add_option("--terminator", given->terminator,
+                   "Shadows on smooth-shaded triangles: smooth starts shadow rays on the surface the normals tell of, "
+                   "hard on the triangles, which then show at the shadow's edge")
+      ->check(CLI::IsMember({"smooth", "hard"}))
+      ->capture_default_str();
+  command
+      ->add_option("--precision", given->precision,
+                   "double computes rays, hits and shading in double precision, two to four times slower; trees and "
+                   "the picture's sums stay single")
+      ->check(CLI::IsMember({"single", "double"}))
+      ->capture_default_str();
   command->add_flag("--strict", given->strict, "Both engines give the same bits; some speed is lost");
   command->add_flag("--quiet", given->quiet, "Print nothing but errors");
   command->add_flag("--json", given->json, "Print statistics as JSON on stdout");
   command->add_option("--trace", given->trace, "Write a timeline in Chrome's trace format");
   command->add_option("--dump-kernels", given->dump_kernels, "Write the flattened kernel sources to this folder");
   command->footer(kExamples);
-  command->callback([given, &exit_code] { exit_code = run_render(*given); });
+  command->callback([given, tree, &exit_code] {
+    given->has_tree = tree->count() > 0;
+    exit_code = run_render(*given);
+  });
 }
 
 }  // namespace hemiray::app

@@ -75,10 +75,10 @@ std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
   const auto line = [&text](const std::string& name, const std::string& value) {
     text += fmt::format("{:<10}{}\n", name, value);
   };
-  const std::string instances =
-      s.accel.instances > 0 ? fmt::format(", {} instances", format_count(s.accel.instances)) : "";
-  line("scene", fmt::format("{}: {} primitives{}, {} planes, {} lights, {} emitters", f.scene,
-                            format_count(s.accel.primitives), instances, s.planes, s.lights, format_count(s.emitters)));
+  const std::string instances = s.accel.instances > 0 ? ", " + format_count(s.accel.instances, "instance") : "";
+  line("scene", fmt::format("{}: {}{}, {}, {}, {}", f.scene, format_count(s.accel.primitives, "primitive"), instances,
+                            format_count(s.planes, "plane"), format_count(s.lights, "light"),
+                            format_count(s.emitters, "emitter")));
   line("effects", fmt::format("{}", fmt::join(feature_names(s.features), " ")));
   if (s.devices.size() == 1) {
     line("device", fmt::format("{} ({}), peak memory {}", f.device, f.platform, format_bytes(s.peak_device_bytes)));
@@ -86,18 +86,24 @@ std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
     for (const DeviceStatistics& d : s.devices) {
       line("device", fmt::format("{} ({}), peak memory {}", d.name, d.platform, format_bytes(d.peak_bytes)));
       const std::string rate = format_rate(rays_per_ms(d) * 1e3, "rays/s");
-      line("", fmt::format("  {} tiles, {:.1f} % of the samples, {}{}", d.tiles, share_of(d, s) * 100.0, rate,
-                           d.failure.empty() ? "" : ", FAILED"));
+      line("", fmt::format("  {}, {:.1f} % of the samples, {}{}", format_count(d.tiles, "tile"), share_of(d, s) * 100.0,
+                           rate, d.failure.empty() ? "" : ", FAILED"));
     }
   }
-  line("picture", fmt::format("{} x {}, {} of {} samples, depth {}, {}{}", f.width, f.height, s.passes, f.spp, f.depth,
-                              f.engine, f.strict ? ", strict" : ""));
+  line("picture",
+       fmt::format("{} x {}, {} of {} samples, depth {}, {}{}", f.width, f.height, s.passes, f.spp, f.depth, f.engine,
+                   std::string(f.strict ? ", strict" : "") + (f.precision == "double" ? ", double precision" : "")));
+  if (has_feature(s.features, HR_FEATURE_SMOOTH_NORMALS) && has_feature(s.features, HR_FEATURE_LIGHTS)) {
+    line("shadows",
+         f.terminator == "smooth" ? "start on the smooth surface (shadow terminator)" : "start on triangles");
+  }
   line("compile", fmt::format("{} ({})", format_duration(compile_ms(s) * 1e-3), all_cached(s) ? "cached" : "cold"));
-  line("build", fmt::format("{}, {} nodes, {} blocks, {}-bit Morton codes", format_duration(s.accel.build_ms * 1e-3),
-                            format_count(s.accel.nodes), format_count(s.accel.blocks), s.accel.morton_bits));
+  line("build",
+       fmt::format("{}, {}, {}, {}-bit Morton codes", format_duration(s.accel.build_ms * 1e-3),
+                   format_count(s.accel.nodes, "node"), format_count(s.accel.blocks, "block"), s.accel.morton_bits));
   if (s.accel.non_finite + s.accel.degenerate > 0) {
-    line("dropped",
-         fmt::format("{} primitives that are not finite, {} without area", s.accel.non_finite, s.accel.degenerate));
+    line("dropped", fmt::format("{} not finite, {} without area", format_count(s.accel.non_finite, "primitive"),
+                                s.accel.degenerate));
   }
   line("trace",
        fmt::format("{}, {} rays, {}", format_duration(s.trace_ms * 1e-3), format_count(s.rays.closest + s.rays.shadow),
@@ -148,7 +154,9 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
                                 {"spp", f.spp},
                                 {"depth", f.depth},
                                 {"seed", f.seed},
-                                {"strict", f.strict}}},
+                                {"strict", f.strict},
+                                {"precision", f.precision},
+                                {"terminator", f.terminator}}},
                               {"effects", feature_names(s.features)},
                               {"uncertain_roots", s.uncertain_roots},
                               {"passes", s.passes},
@@ -210,6 +218,8 @@ std::map<std::string, std::string> report_metadata(const RenderFacts& f, const R
           {"depth", std::to_string(f.depth)},
           {"seed", std::to_string(f.seed)},
           {"strict", f.strict ? "true" : "false"},
+          {"precision", f.precision},
+          {"terminator", f.terminator},
           {"effects", fmt::format("{}", fmt::join(feature_names(s.features), " "))},
           {"build_ms", fmt::format("{:.3f}", s.accel.build_ms)},
           {"trace_ms", fmt::format("{:.3f}", s.trace_ms)}};

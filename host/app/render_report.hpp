@@ -22,6 +22,8 @@ struct RenderFacts {
   int width = 0, height = 0;
   std::uint32_t seed = 0;
   bool strict = false;
+  std::string precision;   ///< single or double
+  std::string terminator;  ///< smooth or hard; of no effect without smooth normals
   int spp = 0, depth = 0;
   double load_ms = 0.0;
   double first_pixel_s = 0.0;  ///< process start to the end of the first pass

@@ -10,10 +10,11 @@
 #include "host/base/clock.hpp"
 #include "host/base/error.hpp"
 #include "host/base/progress.hpp"
+#include "host/base/spelling.hpp"
 #include "host/bench/ray_sets.hpp"
 #include "host/bench/tuning.hpp"
 #include "host/bvh/ray_queries.hpp"
-#include "host/scene/spelling.hpp"
+#include "host/gpu/device_list.hpp"
 #include "shared/features.h"
 
 namespace hemiray::app {
@@ -104,7 +105,7 @@ int run_tune(const TuneArguments& given) {
   const std::vector<std::string> steps = choose_steps(given.only);
   if (given.resolution % 32 != 0) throw InputError("--resolution", "not a multiple of 32");
   check_writable(given.output);
-  const DeviceInfo device = choose_device(given.device);
+  const DeviceInfo device = choose_single_device(given.device, "tune measures");
   const bench::BenchScene scene = bench::procedural_scene("interior", given.triangles);
   const std::vector<bench::RaySet> sets = rays_of(device, scene, given.resolution);
   Progress progress("tune", !given.quiet);

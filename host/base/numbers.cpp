@@ -52,6 +52,10 @@ std::string format_count(std::uint64_t count) {
   return fmt::format("{} {}", three_digits(scaled.value), kDecimalPrefixes[scaled.prefix]);
 }
 
+std::string format_count(std::uint64_t count, std::string_view what) {
+  return fmt::format("{} {}{}", format_count(count), what, count == 1 ? "" : "s");
+}
+
 std::string format_rate(double per_second, std::string_view unit) {
   if (!std::isfinite(per_second) || per_second < 0) return "-";
   const Scaled scaled = scale_down(per_second, 1000, kDecimalPrefixes.size() - 1);

@@ -13,6 +13,9 @@ namespace hemiray {
 /// "9999", "12.3 k", "1.20 M": exact up to 9999, then three significant digits with a decimal prefix.
 [[nodiscard]] std::string format_count(std::uint64_t count);
 
+/// The same with what is counted: "1 node", "0 nodes", "12.3 k nodes"; `what` takes an s.
+[[nodiscard]] std::string format_count(std::uint64_t count, std::string_view what);
+
 /// Events per second with a decimal prefix before the unit: format_rate(12.34e6, "rays/s") is "12.3 Mrays/s".
 /// "-" for a rate that is negative, NaN or infinite.
 [[nodiscard]] std::string format_rate(double per_second, std::string_view unit);

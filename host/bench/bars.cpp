@@ -9,7 +9,8 @@
 #include <set>
 
 #include "host/base/error.hpp"
-#include "host/scene/json_text.hpp"
+#include "host/base/json_text.hpp"
+#include "host/base/spelling.hpp"
 
 namespace hemiray::bench {
 namespace {
@@ -34,11 +35,15 @@ std::string text_of(const json& object, const char* key, const std::string& plac
   return value;
 }
 
+const char* name_of(BarKind kind) {
+  return kind == BarKind::trace ? "trace" : kind == BarKind::build ? "build" : "leaks";
+}
+
 BarKind kind_of(const json& row, const std::string& place) {
   const std::string kind = text_of(row, "kind", place);
-  if (kind == "trace") return BarKind::trace;
-  if (kind == "build") return BarKind::build;
-  if (kind == "leaks") return BarKind::leaks;
+  for (const BarKind known : {BarKind::trace, BarKind::build, BarKind::leaks}) {
+    if (kind == name_of(known)) return known;
+  }
   fail(place + "/kind", fmt::format("\"{}\" is none of trace, build, leaks", kind));
 }
 
@@ -191,6 +196,24 @@ std::vector<Bar> parse_bars(std::string_view text, const std::string& name) {
   for (std::size_t i = 0; i < rows.size(); i++)
     bars.push_back(parse_row(rows[i], fmt::format("{}: /rows/{}", name, i)));
   return bars;
+}
+
+void check_bar_names(const std::vector<Bar>& bars, const BarNames& known, const std::string& name) {
+  for (std::size_t i = 0; i < bars.size(); i++) {
+    const Bar& bar = bars[i];
+    const std::set<std::string>& names = bar.kind == BarKind::trace   ? known.tracers
+                                         : bar.kind == BarKind::build ? known.trees
+                                                                      : known.leak_tracers;
+    const char* what = bar.kind == BarKind::build ? "tree" : "tracer";
+    const auto check = [&](const std::string& given, const std::string& key) {
+      if (names.contains(given)) return;
+      fail(fmt::format("{}: /rows/{}/{}", name, i, key),
+           fmt::format("no {} of {} rows is named {}", what, name_of(bar.kind), in_quotes(given)) +
+               spelling_hint(given, std::vector<std::string_view>(names.begin(), names.end())));
+    };
+    check(bar.ours, "ours");
+    for (std::size_t k = 0; k < bar.against.size(); k++) check(bar.against[k], fmt::format("against/{}", k));
+  }
 }
 
 std::vector<std::uint32_t> bar_sizes(const std::vector<Bar>& bars, const std::string& processor_class) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,14 @@ struct BarResult {
 
 /// Reads a bars file; `name` stands for it in messages. Throws InputError with the line or the JSON path at fault.
 std::vector<Bar> parse_bars(std::string_view text, const std::string& name);
+
+/// What bars may refer to: tracers, their trees, and the tracers whose leaks are counted.
+struct BarNames {
+  std::set<std::string> tracers, trees, leak_tracers;
+};
+
+/// Throws InputError with the JSON path of the first name that is not known; `bars` are all those of the file `name`.
+void check_bar_names(const std::vector<Bar>& bars, const BarNames& known, const std::string& name);
 
 /// Judges every bar of that processor class whose triangle count is among the measured sizes of the interior, and the
 /// leaks where they were measured. A measurement that did not verify makes its bars invalid; one that is missing makes

@@ -18,7 +18,7 @@ std::uint32_t features_for(const FlatScene& flat) {
 // The triangles on the device and the tree over them.
 struct DeviceBuild {
   DeviceBuild(DeviceWorkshop& workshop, const FlatScene& flat, const AccelOptions& options)
-      : scene(*workshop.context, flat, features_for(flat)), accel(workshop.builder, scene, options) {}
+      : scene(workshop.context(), flat, features_for(flat)), accel(workshop.builder(), scene, options) {}
   DeviceScene scene;
   Accel accel;
 };
@@ -44,7 +44,9 @@ class DeviceTracer final : public Tracer {
 
   std::string name() const override {
     return build_name() + (settings_.triangles == TriangleTest::watertight ? "/watertight" : "/fast") +
-           (in_packets() ? "/packet" : "/single");
+           (in_packets()  ? "/packet"
+            : in_double() ? "/double"
+                          : "/single");
   }
   std::string build_name() const override {
     switch (settings_.kind) {
@@ -73,7 +75,7 @@ class DeviceTracer final : public Tracer {
     options.kind = settings_.kind;
     const bool has_instances = instanced_ != nullptr && settings_.kind == AccelKind::bvh;
     const FlatScene& given = has_instances ? *instanced_ : flat;
-    const std::uint64_t held = workshop_->builder.scratch_bytes(), others = context().allocated_bytes() - held;
+    const std::uint64_t held = workshop_->builder().scratch_bytes(), others = context().allocated_bytes() - held;
     context().restart_peak();
     build_ = std::make_shared<DeviceBuild>(*workshop_, given, options);
     context().finish();
@@ -115,7 +117,7 @@ class DeviceTracer final : public Tracer {
     if (!build_) throw std::logic_error("rays before a build");
     if (!queries_)
       queries_ = std::make_unique<RayQueries>(context(), build_->scene, build_->accel, false,
-                                              in_packets() ? RayGrouping::packets : RayGrouping::single);
+                                              in_packets() ? RayGrouping::packets : RayGrouping::single, in_double());
     if (rays_.size() != rays.size()) {
       rays_ = {}, hits_ = {}, occlusions_ = {};
       rays_ = Buffer<shared::QueryRay>(context(), "rays", rays.size());
@@ -140,7 +142,8 @@ class DeviceTracer final : public Tracer {
   }
 
  private:
-  Context& context() { return *workshop_->context; }
+  Context& context() { return workshop_->context(); }
+  [[nodiscard]] bool in_double() const { return settings_.mode == TraceMode::double_precision; }
   // What its build tells: these nodes are none of tree_facts()'s.
   [[nodiscard]] TreeFacts cell_tree_facts() const {
     const Accel& accel = build_->accel;

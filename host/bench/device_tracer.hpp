@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "host/bench/tracer.hpp"
 #include "host/bvh/accel.hpp"
@@ -9,8 +10,8 @@
 
 namespace hemiray::bench {
 
-/// How a tracer asks its rays; packets only where origins are common.
-enum class TraceMode { single, packet };
+/// How a tracer asks its rays; packets only where origins are common. double_precision: single rays, in double.
+enum class TraceMode { single, packet, double_precision };
 
 struct DeviceTracerSettings {
   TreeBuilder tree = TreeBuilder::quality;
@@ -19,16 +20,29 @@ struct DeviceTracerSettings {
   AccelKind kind = AccelKind::bvh;  ///< any other goes by single rays and leaves `tree` out
 };
 
-/// The programs and working memory that all tracers of a device build with. The context must outlive it.
-struct DeviceWorkshop {
-  explicit DeviceWorkshop(Context& device_context)
-      : context(&device_context), parallel(device_context), builder(device_context, parallel, true) {}
-  Context* context;
-  Parallel parallel;
-  AccelBuilder builder;
+/// The programs and working memory that all tracers of a device build with, made when the first one builds. The context
+/// must outlive it.
+class DeviceWorkshop {
+ public:
+  explicit DeviceWorkshop(Context& context) : context_(&context) {}
+  [[nodiscard]] Context& context() const { return *context_; }
+  AccelBuilder& builder() {
+    if (!tools_) tools_.emplace(*context_);
+    return tools_->builder;
+  }
+
+ private:
+  struct Tools {
+    explicit Tools(Context& context) : parallel(context), builder(context, parallel, true) {}
+    Parallel parallel;
+    AccelBuilder builder;
+  };
+  Context* context_;
+  std::optional<Tools> tools_;
 };
 
-/// Named "device/TREE/TRIANGLES/MODE", such as "device/quality/watertight/single" or "device/octree/fast/single".
+/// Named "device/TREE/TRIANGLES/MODE", such as "device/quality/watertight/single" or "device/octree/fast/single"; MODE
+/// is single, packet or double.
 /// Members throw DeviceError where the device fails.
 std::unique_ptr<Tracer> make_device_tracer(std::shared_ptr<DeviceWorkshop> workshop,
                                            const DeviceTracerSettings& settings);

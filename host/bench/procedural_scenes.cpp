@@ -9,10 +9,10 @@
 #include <numbers>
 
 #include "host/base/error.hpp"
+#include "host/base/spelling.hpp"
 #include "host/bench/flat_mesh.hpp"
 #include "host/bench/interior_scene.hpp"
 #include "host/bench/leak_meshes.hpp"
-#include "host/scene/spelling.hpp"
 
 namespace hemiray::bench {
 namespace {

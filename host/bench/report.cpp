@@ -12,14 +12,12 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::string size_name(std::size_t triangles) { return format_count(triangles); }
-
 // A tree in words; what does not apply to it is left out.
 std::string describe(const TreeFacts& f) {
   std::string text = f.sah_cost > 0 ? fmt::format("SAH {:.1f}, ", f.sah_cost) : "";
-  text += fmt::format("depth {}, {} nodes", f.depth, format_count(f.nodes));
+  text += fmt::format("depth {}, {}", f.depth, format_count(f.nodes, "node"));
   if (f.node_fill > 0) text += fmt::format(" {:.0f} % full", 100.0 * f.node_fill);
-  text += fmt::format(", {} blocks {:.0f} % full", format_count(f.blocks), 100.0 * f.block_fill);
+  text += fmt::format(", {} {:.0f} % full", format_count(f.blocks, "block"), 100.0 * f.block_fill);
   if (f.references > 1) text += fmt::format(", {:.1f} references a triangle", f.references);
   return text + ", " + format_bytes(f.bytes);
 }
@@ -106,8 +104,9 @@ std::string machine_table(const Machine& m) {
 }
 
 std::string builds_table(const SceneResults& scene) {
-  std::string text = fmt::format("\n{}, {} triangles\n{:<40}{:>10}{:>10}{:>10}  {}\n", scene.scene,
-                                 size_name(scene.triangles), "build [ms]", "median", "least", "most", "tree");
+  std::string text =
+      fmt::format("\n{}, {}\n{:<40}{:>10}{:>10}{:>10}  {}\n", scene.scene, format_count(scene.triangles, "triangle"),
+                  "build [ms]", "median", "least", "most", "tree");
   for (const BuildTimes& build : scene.builds) {
     text +=
         fmt::format("  {:<38}{:>10.2f}{:>10.2f}{:>10.2f}", build.tree, build.ms.median, build.ms.least, build.ms.most);
@@ -179,7 +178,7 @@ std::string bars_table(const Machine& machine, const std::vector<BarResult>& bar
       fmt::format("\nbars for {} ({}), {} threads\n", machine.processor, machine.processor_class, machine.threads);
   for (const BarResult& bar : bars) {
     std::string what = bar.label;
-    if (bar.triangles > 0) what += fmt::format(", {} triangles", size_name(bar.triangles));
+    if (bar.triangles > 0) what += ", " + format_count(bar.triangles, "triangle");
     std::string measured = "-";
     if (bar.verdict != Verdict::not_measured) {
       measured = bar.kind == BarKind::leaks ? fmt::format("{:.0f}", bar.measured) : fmt::format("{:.2f}", bar.measured);

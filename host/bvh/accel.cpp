@@ -107,11 +107,7 @@ Program& AccelBuilder::layout_program(const AccelConfig& config) {
 Accel::Accel(AccelBuilder& builder, const DeviceScene& scene, const AccelOptions& given) : builder_(&builder) {
   Context& context = *builder.context_;
   const AccelOptions options = complete_options(given, context.profile());
-  config_.width = options.width;
-  config_.leaf_lanes = options.leaf_lanes;
-  config_.watertight = options.triangle_test == TriangleTest::watertight;
-  config_.explicit_vectors = options.explicit_vectors != 0;
-  config_.kind = options.kind;
+  config_ = config_of(options);
   options_ = options;
   const double start = steady_ms();
   const double compile_start = context.launch_compile_ms();
@@ -390,8 +386,10 @@ Arguments Accel::tree_arguments() const {
   return all;
 }
 
-ProgramOptions Accel::program_options(std::uint32_t features, bool strict) const {
-  return {features, strict, config_.defines()};
+ProgramOptions Accel::program_options(std::uint32_t features, bool strict, bool double_precision) const {
+  AccelConfig config = config_;
+  if (double_precision) config.explicit_vectors = false;
+  return {features, strict, config.defines(), double_precision};
 }
 
 }  // namespace hemiray

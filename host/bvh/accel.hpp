@@ -111,7 +111,8 @@ class Accel {
   /// accel_nodes and accel_blocks, and tree_roots for a scene with instances, for kernels that trace.
   [[nodiscard]] Arguments tree_arguments() const;
   /// Options for a program whose kernels trace through this tree.
-  [[nodiscard]] ProgramOptions program_options(std::uint32_t features, bool strict) const;
+  [[nodiscard]] ProgramOptions program_options(std::uint32_t features, bool strict,
+                                               bool double_precision = false) const;
   [[nodiscard]] const TreeChunks& nodes() const { return nodes_; }
   [[nodiscard]] const TreeChunks& blocks() const { return blocks_; }
 

@@ -64,6 +64,16 @@ AccelOptions complete_options(const AccelOptions& options, const DeviceProfile& 
   return o;
 }
 
+AccelConfig config_of(const AccelOptions& complete) {
+  AccelConfig config;
+  config.width = complete.width;
+  config.leaf_lanes = complete.leaf_lanes;
+  config.watertight = complete.triangle_test == TriangleTest::watertight;
+  config.explicit_vectors = complete.explicit_vectors != 0;
+  config.kind = complete.kind;
+  return config;
+}
+
 unsigned stack_size_for(std::uint32_t needed) { return std::max(kMinStack, std::bit_ceil(needed)); }
 
 }  // namespace hemiray

@@ -60,6 +60,9 @@ AccelOptions parse_accel(const std::string& name);
 /// The options completed from the device's profile. Throws InputError if they cannot be had together.
 AccelOptions complete_options(const AccelOptions& options, const DeviceProfile& profile);
 
+/// What completed options are compiled to, before a build finds its stack and chunks.
+AccelConfig config_of(const AccelOptions& complete);
+
 /// Entries for the traversal's stack, from what the tree needs: few sizes, so that few programs are compiled.
 unsigned stack_size_for(std::uint32_t needed);
 

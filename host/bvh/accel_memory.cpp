@@ -9,7 +9,8 @@
 namespace hemiray {
 namespace {
 
-// Of usual scenes: the share of a leaf's lanes in use, and of a node's children (measured, tests/bvh/test_accel.cpp).
+// Of usual scenes: the share of a leaf's lanes in use, and of a node's children (measured,
+// tests/bvh/test_accel_memory.cpp).
 constexpr double kLeafFill = 0.7;
 constexpr double kNodeFill = 0.97;
 // kernels/bvh/arena.h

@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::uint32_t kGroupRays = 16;  // of a packet, kernels/lib/packet.h
 
-ProgramOptions query_options(const Context& context, const DeviceScene& scene, const Accel& accel, bool strict) {
-  ProgramOptions options = accel.program_options(scene.features(), strict);
+ProgramOptions query_options(const Context& context, const DeviceScene& scene, const Accel& accel, bool strict,
+                             bool double_precision) {
+  ProgramOptions options = accel.program_options(scene.features(), strict, double_precision);
   options.defines += fmt::format(" -DHR_RAYS_PER_ITEM={} -DHR_PACKET_GROUPS={}", context.profile().rays_per_item,
                                  context.profile().packet_groups);
   return options;
@@ -34,14 +35,16 @@ shared::RenderParams query_params(const DeviceScene& scene) {
 }
 
 RayQueries::RayQueries(Context& context, const DeviceScene& scene, const Accel& accel, bool strict,
-                       RayGrouping grouping)
+                       RayGrouping grouping, bool double_precision)
     : context_(&context),
       scene_(&scene),
       accel_(&accel),
-      grouping_(grouping == RayGrouping::packets && !accel.config().has_packets() ? RayGrouping::single : grouping),
+      grouping_(grouping == RayGrouping::packets && (double_precision || !accel.config().has_packets())
+                    ? RayGrouping::single
+                    : grouping),
       program_(context, grouping_ == RayGrouping::packets ? "packet_query" : "query",
                {grouping_ == RayGrouping::packets ? "bvh/packet_query.cl" : "bvh/query.cl"},
-               query_options(context, scene, accel, strict)) {
+               query_options(context, scene, accel, strict, double_precision)) {
   if (grouping_ == RayGrouping::sorted) parallel_ = std::make_unique<Parallel>(context);
 }
 

@@ -14,7 +14,8 @@ namespace hemiray {
 
 /// How rays are traced. single: in the order given. packets: neighbours that share their origin (camera, point light,
 /// hemicube) together; a packet whose rays do not is traced one by one, and so are all through trees that are not laid
-/// out in vectors, or not bvhs. sorted: by origin and direction first, which pays for many incoherent rays.
+/// out in vectors, or not bvhs, or asked in double precision. sorted: by origin and direction first, which pays for
+/// many incoherent rays.
 enum class RayGrouping { single, packets, sorted };
 
 /// What kernels that answer single rays need to know of the scene.
@@ -24,7 +25,7 @@ shared::RenderParams query_params(const DeviceScene& scene);
 class RayQueries {
  public:
   RayQueries(Context& context, const DeviceScene& scene, const Accel& accel, bool strict = false,
-             RayGrouping grouping = RayGrouping::single);
+             RayGrouping grouping = RayGrouping::single, bool double_precision = false);
 
   /// Closest hit of each ray in its (t_min, t_max). Ties in t go to the smaller primitive index.
   [[nodiscard]] std::vector<shared::QueryHit> intersect(std::span<const shared::QueryRay> rays);

@@ -30,6 +30,7 @@ class Buffer {
         handle_ = cl::Buffer(context_->handle(), flags, bytes_, memory_.memory.get());
       });
     } catch (...) {
+      context.keep_host_memory(std::move(memory_));
       context.account_release(bytes_);
       throw;
     }

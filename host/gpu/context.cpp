@@ -43,12 +43,11 @@ void Context::account_allocation(std::uint64_t bytes, const std::string& name) {
   }
   allocated_bytes_ += bytes;
   peak_bytes_ = std::max(peak_bytes_, allocated_bytes_);
-  most_bytes_ = std::max(most_bytes_, allocated_bytes_);
 }
 
 HostMemory Context::take_host_memory(std::uint64_t bytes) {
   if (device_.kind != DeviceKind::cpu || bytes < kHugeMemoryBytes) return {};
-  return idle_.take(bytes, most_bytes_ - allocated_bytes_);
+  return idle_.take(bytes);
 }
 
 void Context::keep_host_memory(HostMemory memory) noexcept {

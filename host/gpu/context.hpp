@@ -47,7 +47,7 @@ class Context {
   void restart_peak() { peak_bytes_ = allocated_bytes_; }
 
   /// Memory for a large buffer on a CPU device, empty for any other: freed before, if some fits, so that building again
-  /// finds its pages there. What waits and what is in use are never more than was in use at the peak.
+  /// finds its pages there (IdleHostMemory says how much waits at most).
   HostMemory take_host_memory(std::uint64_t bytes);
   void keep_host_memory(HostMemory memory) noexcept;
   [[nodiscard]] std::uint64_t idle_bytes() const { return idle_.bytes(); }
@@ -60,7 +60,6 @@ class Context {
   Profiler profiler_;
   std::uint64_t allocated_bytes_ = 0;
   std::uint64_t peak_bytes_ = 0;
-  std::uint64_t most_bytes_ = 0;  ///< the peak of all times
   IdleHostMemory idle_;
   double launch_compile_ms_ = 0.0;
   std::size_t kernels_compiled_ = 0;

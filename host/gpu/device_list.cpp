@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
 #include "host/gpu/cl_error.hpp"
 
 namespace hemiray {
@@ -34,13 +35,17 @@ bool is_one_name(const std::string& selector) {
   return std::any_of(devices.begin(), devices.end(), [&selector](const DeviceInfo& d) { return d.name == selector; });
 }
 
+// Or parts of one.
+bool means_several(const std::string& selector) {
+  return is_split(selector) || selector == "all" || (selector.find(',') != std::string::npos && !is_one_name(selector));
+}
+
 // What is split where nothing says which: the environment's device if it names a single one.
 DeviceInfo device_to_split() {
   const char* environment = std::getenv("HEMIRAY_DEVICE");
   const std::string text = environment != nullptr ? environment : "";
   if (text.empty()) return choose_device("", "--device");
-  const bool several = is_split(text) || text == "all" || (text.find(',') != std::string::npos && !is_one_name(text));
-  return several ? choose_device("", "--device") : choose_device(text, "HEMIRAY_DEVICE");
+  return means_several(text) ? choose_device("", "--device") : choose_device(text, "HEMIRAY_DEVICE");
 }
 
 std::vector<DeviceInfo> devices_of_entry(const std::string& entry, const std::string& place) {
@@ -62,6 +67,15 @@ std::vector<DeviceInfo> every_usable_device() {
   return devices;
 }
 
+struct Selector {
+  std::string text, place;
+};
+
+Selector given_or_environment(const std::string& given) {
+  const char* environment = given.empty() ? std::getenv("HEMIRAY_DEVICE") : nullptr;
+  return environment != nullptr ? Selector{environment, "HEMIRAY_DEVICE"} : Selector{given, "--device"};
+}
+
 }  // namespace
 
 std::string label_of(const DeviceInfo& device) {
@@ -72,8 +86,8 @@ std::vector<DeviceInfo> split_device(const DeviceInfo& device, int parts, const 
   if (parts == 1) return {device};
   const auto units = static_cast<int>(device.compute_units);
   if (parts > units) {
-    throw InputError(place, fmt::format("device {} {} has {} compute units: it cannot be split into {}", device.index,
-                                        device.name, units, parts));
+    throw InputError(place, fmt::format("device {} {} has {}: it cannot be split into {}", device.index, device.name,
+                                        format_count(device.compute_units, "compute unit"), parts));
   }
   std::vector<cl_device_partition_property> properties{CL_DEVICE_PARTITION_EQUALLY, units / parts, 0};
   if (units % parts != 0) {
@@ -99,12 +113,7 @@ std::vector<DeviceInfo> split_device(const DeviceInfo& device, int parts, const 
 }
 
 std::vector<DeviceInfo> choose_devices(const std::string& selector_given) {
-  std::string selector = selector_given;
-  std::string place = "--device";
-  if (selector.empty()) {
-    if (const char* environment = std::getenv("HEMIRAY_DEVICE")) selector = environment;
-    place = "HEMIRAY_DEVICE";
-  }
+  const auto [selector, place] = given_or_environment(selector_given);
   if (selector.empty()) return {choose_device("", "--device")};
   if (selector == "all") return every_usable_device();
   if (selector.find(',') == std::string::npos || is_one_name(selector)) return devices_of_entry(selector, place);
@@ -120,6 +129,15 @@ std::vector<DeviceInfo> choose_devices(const std::string& selector_given) {
     devices.insert(devices.end(), more.begin(), more.end());
   }
   return devices;
+}
+
+DeviceInfo choose_single_device(const std::string& selector_given, const std::string& who) {
+  const auto [selector, place] = given_or_environment(selector_given);
+  if (means_several(selector)) {
+    throw InputError(place, fmt::format("'{}': {} one device; give an index or a part of a name: {}", selector, who,
+                                        names_of(list_devices())));
+  }
+  return choose_device(selector, place);
 }
 
 }  // namespace hemiray

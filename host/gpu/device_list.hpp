@@ -15,6 +15,10 @@ namespace hemiray {
 /// twice.
 std::vector<DeviceInfo> choose_devices(const std::string& selector);
 
+/// The device a user means where only one can be used; "" as above. `who` does so, for errors ("bench measures").
+/// Throws as choose_devices(), and InputError for a selector that means several or parts.
+DeviceInfo choose_single_device(const std::string& selector, const std::string& who);
+
 /// `parts` sub-devices of `device`, compute units shared out as evenly as they go; 1: the device itself. Errors name
 /// `place` ("--device"). Throws InputError if it has fewer compute units, or its driver cannot split it.
 std::vector<DeviceInfo> split_device(const DeviceInfo& device, int parts, const std::string& place);

@@ -2,11 +2,13 @@
 
 #include <bit>
 #include <cstdlib>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.hpp"
+#include "host/base/json_text.hpp"
 #include "host/base/read_file.hpp"
 
 namespace hemiray {
@@ -14,10 +16,13 @@ namespace {
 
 using nlohmann::json;
 
+constexpr int kMaxNesting = 8;
+
 void set_field(DeviceProfile& profile, const std::string& key, const json& value, const std::string& place) {
   const auto set = [&](std::uint32_t& field, std::uint32_t least, std::uint32_t most) {
     if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least || value.get<std::uint64_t>() > most) {
-      throw InputError(place + "/" + key, fmt::format("must be a whole number from {} to {}", least, most));
+      throw InputError(place + json_pointer_step(key),
+                       fmt::format("must be a whole number from {} to {}", least, most));
     }
     field = value.get<std::uint32_t>();
   };
@@ -35,18 +40,23 @@ void check_powers(const DeviceProfile& profile, const std::string& place) {
   if (profile.cluster_keep > profile.cluster_limit) throw InputError(place, "cluster_keep exceeds cluster_limit");
 }
 
-void apply_file(DeviceProfile& profile, const DeviceInfo& device, const std::string& file) {
-  json document;
+json parse_file(const std::string& file) {
+  const std::vector<std::uint8_t> bytes = read_file(file);
   try {
-    document = json::parse(read_file(file));
-  } catch (const json::parse_error& error) {
-    throw InputError(file, fmt::format("not JSON: {}", error.what()));
+    return parse_json_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file, kMaxNesting);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format(
+        "{}; correct the file that HEMIRAY_PROFILE names, or write one with 'hemiray tune -o FILE'", error.what()));
   }
-  if (!document.is_object() || !document.contains("profiles") || !document["profiles"].is_array()) {
+}
+
+void apply_file(DeviceProfile& profile, const DeviceInfo& device, const std::string& file) {
+  const json document = parse_file(file);
+  if (!document.is_object() || !document.contains("profiles") || !document.at("profiles").is_array()) {
     throw InputError(file, "must be an object with a list 'profiles'; 'hemiray tune' writes one");
   }
   std::size_t index = 0;
-  for (const json& entry : document["profiles"]) {
+  for (const json& entry : document.at("profiles")) {
     const std::string place = fmt::format("{}: /profiles/{}", file, index++);
     if (!entry.is_object()) throw InputError(place, "must be an object");
     DeviceProfile changed = profile;

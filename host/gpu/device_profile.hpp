@@ -47,8 +47,8 @@ DeviceProfile class_profile(const DeviceInfo& device);
 
 /// class_profile(), with what the file named by the environment's HEMIRAY_PROFILE says of this device on top:
 ///   {"profiles": [{"device": "part of a name", "bvh_width": 4, ...}, ...]}
-/// later entries over earlier ones; no "device": any. Throws InputError for a file that cannot be read, an unknown key
-/// or a number out of range.
+/// later entries over earlier ones; no "device": any. Throws InputError for a file that cannot be read, a key that is
+/// unknown or occurs twice, or a number out of range.
 DeviceProfile profile_for(const DeviceInfo& device);
 
 /// The fields as a JSON object, with the device's name: one entry of such a file.

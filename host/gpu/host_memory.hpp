@@ -12,11 +12,10 @@ struct FreeHostMemory {
   void operator()(void* memory) const noexcept;
 };
 
-/// So many bytes, aligned to a huge page; empty by default.
+/// A piece of memory, aligned to a huge page; empty by default.
 struct HostMemory {
   std::unique_ptr<void, FreeHostMemory> memory;
-  std::size_t bytes = 0;     ///< asked for
-  std::size_t capacity = 0;  ///< there: a multiple of a huge page
+  std::size_t capacity = 0;  ///< a multiple of a huge page; at least what was asked for
 };
 
 /// Arrays of at least this size [bytes] are worth huge pages: tracing through a tree of a million triangles is 10 to
@@ -28,19 +27,23 @@ inline constexpr std::size_t kHugeMemoryBytes = std::size_t{4} << 20U;
 HostMemory allocate_huge(std::size_t bytes);
 
 /// Freed memory that waits to be used again: a new page costs the system as long to clear as a kernel needs to fill it.
+/// What waits and what is in use, as much as they hold, are together never more than was in use at the peak.
 class IdleHostMemory {
  public:
-  /// The smallest piece that holds `bytes` and not much more, or a new one; of the others at most `most_idle` bytes
-  /// wait on, the latest. Contents undefined; empty if there is not enough memory.
-  HostMemory take(std::size_t bytes, std::uint64_t most_idle);
+  /// The smallest piece that holds `bytes` and not much more, or a new one, for which the oldest of the others make
+  /// room. Contents undefined; empty if there is not enough memory.
+  HostMemory take(std::size_t bytes);
+  /// Of a piece that take() gave.
   void keep(HostMemory piece) noexcept;
+  /// What the pieces that wait hold [bytes].
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
  private:
+  HostMemory make(std::size_t bytes);
   void trim(std::uint64_t most_idle) noexcept;
 
   std::vector<HostMemory> pieces_;  ///< the latest last
-  std::uint64_t bytes_ = 0;
+  std::uint64_t bytes_ = 0, in_use_ = 0, most_in_use_ = 0;
 };
 
 }  // namespace hemiray

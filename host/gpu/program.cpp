@@ -20,9 +20,15 @@ std::string compile_options(const DeviceInfo& device, const DeviceProfile& profi
   std::string text = fmt::format("-cl-std=CL1.2 -cl-kernel-arg-info -DHR_FEATURES={:#x}u -DHR_LOCAL_SIZE={}",
                                  options.features, profile.local_size);
   if (!options.defines.empty()) text += " " + options.defines;
+  if (options.double_precision) {
+    if (!device.has_fp64) {
+      throw DeviceError(device.name + " has no double precision (cl_khr_fp64); take --precision single");
+    }
+    text += " -DHR_DOUBLE=1";
+  }
   if (options.strict) {
     text += " -DHR_STRICT=1";
-    if (device.rounds_divide_correctly) text += " -cl-fp32-correctly-rounded-divide-sqrt";
+    if (device.rounds_divide_correctly) text += " -DHR_ROUNDS_DIVIDE=1 -cl-fp32-correctly-rounded-divide-sqrt";
   }
   return text;
 }

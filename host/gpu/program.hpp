@@ -47,9 +47,10 @@ struct Kernel {
 
 /// How a program is compiled.
 struct ProgramOptions {
-  std::uint32_t features = 0;  ///< effect mask, HR_FEATURES
-  bool strict = false;         ///< same bits from every engine: no contraction, own elementary functions
-  std::string defines{};       ///< more options, "-DNAME=value ..."
+  std::uint32_t features = 0;     ///< effect mask, HR_FEATURES
+  bool strict = false;            ///< same bits from every engine: no contraction, own elementary functions
+  std::string defines{};          ///< more options, "-DNAME=value ..."
+  bool double_precision = false;  ///< `real` is double; for kernels without explicit vectors
 };
 
 /// Kernels from one or more files of kernels/, compiled for the context's device, or taken from the cache.

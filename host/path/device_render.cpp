@@ -9,6 +9,12 @@ void note_program(const Context& context, RenderStatistics& statistics, const Pr
   statistics.programs.push_back({program.name(), program.kernel_count(), program.build_ms(), cached});
 }
 
+ProgramOptions engine_options(const Accel& accel, const RenderSetup& setup) {
+  ProgramOptions options = accel.program_options(setup.features, setup.options.strict, setup.options.double_precision);
+  if (!setup.options.smooth_terminator) options.defines += " -DHR_HARD_TERMINATOR=1";
+  return options;
+}
+
 }  // namespace
 
 DeviceRender::DeviceRender(Context& context, const RenderSetup& setup)
@@ -21,8 +27,7 @@ DeviceRender::DeviceRender(Context& context, const RenderSetup& setup)
       parallel_(context),
       builder_(context, parallel_),
       accel_(builder_, scene_, setup.options.accel),
-      engine_(make_engine(setup.options.engine, context, parallel_,
-                          accel_.program_options(setup.features, setup.options.strict), slots_, setup.depth,
+      engine_(make_engine(setup.options.engine, context, parallel_, engine_options(accel_, setup), slots_, setup.depth,
                           choose_tracing(setup.options.rays, setup.wave_facts(), accel_, context.profile()))),
       scene_arguments_(arguments(scene_.shading_arguments(), accel_.tree_arguments())),
       params_(setup.params(scene_)) {}

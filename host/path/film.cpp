@@ -64,10 +64,10 @@ Image Film::develop(int passes) const {
 
 Image develop(const FilmData& data, int passes) {
   const float scale = passes > 0 ? 1.0F / static_cast<float>(passes) : 0.0F;
-  const std::vector<shared::real4>& direct = data.direct;
-  const std::vector<shared::real4> none(direct.size(), shared::real4{});
-  const std::vector<shared::real4>& reflection = data.reflection.empty() ? none : data.reflection;
-  const std::vector<shared::real4>& refraction = data.refraction.empty() ? none : data.refraction;
+  const std::vector<shared::float4>& direct = data.direct;
+  const std::vector<shared::float4> none(direct.size(), shared::float4{});
+  const std::vector<shared::float4>& reflection = data.reflection.empty() ? none : data.reflection;
+  const std::vector<shared::float4>& refraction = data.refraction.empty() ? none : data.refraction;
   Image image;
   image.width = data.width;
   image.height = data.height;

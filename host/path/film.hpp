@@ -14,11 +14,11 @@ namespace hemiray {
 /// What a picture is developed from, on the host; row-major, one entry a pixel. What the effect mask leaves out is
 /// empty.
 struct FilmData {
-  int width = 0, height = 0;                          ///< [pixels]
-  std::vector<shared::real4> direct;                  ///< sums over the passes: rgb [W/m^2/sr], w = coverage
-  std::vector<shared::real4> reflection, refraction;  ///< sums over the passes: rgb [W/m^2/sr]
-  std::vector<shared::float4> normal_depth;           ///< of the first sample: xyz normal, w distance [m]
-  std::vector<shared::float4> albedo_object;          ///< of the first sample: rgb kd, w = object + 1
+  int width = 0, height = 0;                           ///< [pixels]
+  std::vector<shared::float4> direct;                  ///< sums over the passes: rgb [W/m^2/sr], w = coverage
+  std::vector<shared::float4> reflection, refraction;  ///< sums over the passes: rgb [W/m^2/sr]
+  std::vector<shared::float4> normal_depth;            ///< of the first sample: xyz normal, w distance [m]
+  std::vector<shared::float4> albedo_object;           ///< of the first sample: rgb kd, w = object + 1
 };
 
 /// The layers "" (R, G, B, A), depth, normal, albedo, id, direct, reflection, refraction; sums divided by `passes`.
@@ -55,7 +55,7 @@ class Film {
  private:
   Context* context_;
   int width_, height_;
-  Buffer<shared::real4> direct_, reflection_, refraction_;
+  Buffer<shared::float4> direct_, reflection_, refraction_;
   GeometryLayers geometry_;
 };
 

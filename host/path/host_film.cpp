@@ -25,12 +25,12 @@ TileSums part_of(const TileSums& sums, std::size_t first, std::size_t count) {
           part_of(sums.albedo_object, first, count)};
 }
 
-void add_to(std::vector<shared::real4>& film, std::size_t pixel, const std::vector<shared::real4>& sums,
+void add_to(std::vector<shared::float4>& film, std::size_t pixel, const std::vector<shared::float4>& sums,
             std::size_t first, std::size_t count) {
   if (sums.empty()) return;
   for (std::size_t i = 0; i < count; i++) {
-    shared::real4& to = film[pixel + i];
-    const shared::real4& from = sums[first + i];
+    shared::float4& to = film[pixel + i];
+    const shared::float4& from = sums[first + i];
     to = {to.x + from.x, to.y + from.y, to.z + from.z, to.w + from.w};
   }
 }

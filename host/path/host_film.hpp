@@ -16,7 +16,7 @@ namespace hemiray {
 /// layers in all passes but the first.
 struct TileSums {
   Tile tile;
-  std::vector<shared::real4> direct, reflection, refraction;
+  std::vector<shared::float4> direct, reflection, refraction;
   std::vector<shared::float4> normal_depth, albedo_object;
 };
 

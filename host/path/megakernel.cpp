@@ -9,7 +9,7 @@ MegakernelEngine::MegakernelEngine(Context& context, const ProgramOptions& optio
       slots_(slots),
       program_(context, "megakernel", {"path/megakernel.cl", "film/accumulate.cl"}, options),
       sums_(context, options.features, slots),
-      branches_(context, options.features, slots, depth),
+      branches_(context, options, slots, depth),
       ray_counts_(context, "ray_counts", slots) {}
 
 RayCounts MegakernelEngine::trace(shared::RenderParams params, std::uint32_t count, const Arguments& given) {

@@ -13,6 +13,7 @@ namespace hemiray {
 /// Peak bytes of a render of width x height pixels with that many bounces: the scene, then the larger of building the
 /// tree and tracing. `features` as features_of() gives. Compared with the measured peak in tests/path.
 std::uint64_t predict_render_bytes(const FlatScene& flat, std::uint32_t features, EngineKind engine, int width,
-                                   int height, int depth, const AccelOptions& tree, const DeviceProfile& profile);
+                                   int height, int depth, const AccelOptions& tree, const DeviceProfile& profile,
+                                   bool double_precision = false);
 
 }  // namespace hemiray

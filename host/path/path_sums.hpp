@@ -11,9 +11,9 @@
 namespace hemiray {
 
 struct PathSums {
-  Buffer<shared::real4> direct;      ///< rgb [W/m^2/sr], w = coverage
-  Buffer<shared::real4> reflection;  ///< empty where the feature is off
-  Buffer<shared::real4> refraction;
+  Buffer<shared::float4> direct;      ///< rgb [W/m^2/sr], w = coverage
+  Buffer<shared::float4> reflection;  ///< empty where the feature is off
+  Buffer<shared::float4> refraction;
 
   PathSums(Context& context, std::uint32_t features, std::uint32_t slots) : direct(context, "path_sum_direct", slots) {
     if (has_feature(features, HR_FEATURE_REFLECTION)) reflection = {context, "path_sum_reflection", slots};

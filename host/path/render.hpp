@@ -26,6 +26,10 @@ struct RenderOptions {
   int depth = -1;  ///< bounces; negative: the scene's
   std::uint32_t seed = 0;
   bool strict = false;  ///< same bits from both engines
+  /// Rays, hits and shading in double; trees and radiance sums stay single. Then lanes are loops, not vectors.
+  bool double_precision = false;
+  /// Shadow rays leave smooth-shaded triangles from the surface that their normals tell of (kernels/lib/terminator.h).
+  bool smooth_terminator = true;
   AccelOptions accel;
   std::optional<RayGrouping> rays;                ///< how the wavefront traces them; none: what pays (wave_tracing.hpp)
   Instancing instancing = Instancing::automatic;  ///< in trees of cells there are no instances

@@ -51,7 +51,8 @@ RenderSetup::RenderSetup(const Scene& scene_given, const RenderOptions& options_
 std::uint32_t RenderSetup::slots(const DeviceProfile& profile) const { return std::min(pixels, profile.wave_slots); }
 
 std::uint64_t RenderSetup::predicted_bytes(const DeviceProfile& profile) const {
-  return predict_render_bytes(flat, features, options.engine, width, height, depth, options.accel, profile);
+  return predict_render_bytes(flat, features, options.engine, width, height, depth, options.accel, profile,
+                              options.double_precision);
 }
 
 void RenderSetup::check_memory(const DeviceInfo& device, std::uint64_t available) const {
@@ -65,7 +66,7 @@ void RenderSetup::check_memory(const DeviceInfo& device, std::uint64_t available
 }
 
 WaveFacts RenderSetup::wave_facts() const {
-  return {scene.camera.kind == CameraKind::perspective, options.strict,
+  return {scene.camera.kind == CameraKind::perspective, options.strict, options.double_precision,
           std::uint64_t{pixels} * static_cast<std::uint64_t>(options.spp)};
 }
 

@@ -18,15 +18,16 @@ WaveTracing choose_tracing(const std::optional<RayGrouping>& chosen, const WaveF
   WaveTracing tracing;
   tracing.lo = accel.statistics().lo;
   tracing.hi = accel.statistics().hi;
-  const bool possible = !facts.strict && accel.config().has_packets();
+  const bool possible = !facts.strict && !facts.double_precision && accel.config().has_packets();
   if (!chosen) {
     tracing.packets = possible && facts.common_origin && facts.camera_rays >= kRaysWorthPackets;
     tracing.sort_from = profile.sort_rays;
   } else if (*chosen == RayGrouping::packets) {
     if (!possible) {
-      throw InputError("--rays packets",
-                       "cannot be had with --strict, over trees of cells, nor where leaves are not laid "
-                       "out in vectors; take --rays single");
+      throw InputError(
+          "--rays packets",
+          "cannot be had with --strict, with --precision double, over trees of cells, nor where leaves are not laid "
+          "out in vectors; take --rays single");
     }
     tracing.packets = true;
   } else if (*chosen == RayGrouping::sorted) {

@@ -23,11 +23,13 @@ struct WaveTracing {
 struct WaveFacts {
   bool common_origin = false;     ///< of the camera's rays
   bool strict = false;            ///< single rays only: the same bits as the megakernel
+  bool double_precision = false;  ///< single rays only: without vectors there are no packets
   std::uint64_t camera_rays = 0;  ///< in the whole render
 };
 
 /// `chosen` is the user's, for experiments; without it, what pays on the device for a render of that size. Throws
-/// InputError for packets that cannot be had: in strict builds, over trees of cells, without explicit vectors.
+/// InputError for packets that cannot be had: in strict builds, in double precision, over trees of cells, without
+/// explicit vectors.
 WaveTracing choose_tracing(const std::optional<RayGrouping>& chosen, const WaveFacts& facts, const Accel& accel,
                            const DeviceProfile& profile);
 

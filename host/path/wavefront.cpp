@@ -28,7 +28,7 @@ constexpr std::array kStages = {HR_PATH_STAGES(HR_STAGE_ROW)};
 }  // namespace
 
 void WavefrontEngine::StateArrays::add(Context& context, const char* name, shared::real4, std::uint32_t slots) {
-  vectors_.emplace_back(context, name, slots);
+  vectors_.emplace_back(context, name, slots * floats_a_real_);
   all.push_back(arg(name, vectors_.back()));
 }
 void WavefrontEngine::StateArrays::add(Context& context, const char* name, shared::uint4, std::uint32_t slots) {
@@ -40,13 +40,15 @@ void WavefrontEngine::StateArrays::add(Context& context, const char* name, std::
   all.push_back(arg(name, integers_.back()));
 }
 
-WavefrontEngine::StateArrays::StateArrays(Context& context, std::uint32_t features, std::uint32_t slots) {
+WavefrontEngine::StateArrays::StateArrays(Context& context, const ProgramOptions& options, std::uint32_t slots)
+    : floats_a_real_(options.double_precision ? 2 : 1) {
+  using shared::float4;
   using shared::real4;
   using shared::uint;
   using shared::uint4;
-#define HR_ADD_FIELD(group, feature, type, name)                                          \
-  if (HR_GROUP_##group != HR_GROUP_SUMS && has_feature(features, HR_FEATURE_##feature)) { \
-    add(context, "path_" #name, type{}, slots);                                           \
+#define HR_ADD_FIELD(group, feature, type, name)                                                  \
+  if (HR_GROUP_##group != HR_GROUP_SUMS && has_feature(options.features, HR_FEATURE_##feature)) { \
+    add(context, "path_" #name, type{}, slots);                                                   \
   }
   HR_PATH_STATE(HR_ADD_FIELD)
 #undef HR_ADD_FIELD
@@ -66,8 +68,8 @@ WavefrontEngine::WavefrontEngine(Context& context, Parallel& parallel, const Pro
       program_(context, "wavefront", {"path/queue.cl", "path/wavefront.cl", "path/finish.cl", "film/accumulate.cl"},
                options),
       sums_(context, features_, slots),
-      state_(context, features_, slots),
-      branches_(context, features_, slots, depth),
+      state_(context, options, slots),
+      branches_(context, options, slots, depth),
       next_stage_(context, "next_stage", slots),
       queue_(context, "queue", slots),
       queue_other_(context, "queue", slots),

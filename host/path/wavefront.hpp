@@ -25,11 +25,12 @@ class WavefrontEngine final : public PathEngine {
  private:
   /// One array for each field of the path state that the mask has, except the sums.
   struct StateArrays {
-    StateArrays(Context& context, std::uint32_t features, std::uint32_t slots);
+    StateArrays(Context& context, const ProgramOptions& options, std::uint32_t slots);
     Arguments all;
     Arguments rays;  ///< path_ray_origin and path_ray_direction
 
    private:
+    std::size_t floats_a_real_ = 1;
     std::vector<Buffer<shared::real4>> vectors_;
     std::vector<Buffer<shared::uint4>> integer_vectors_;
     std::vector<Buffer<std::uint32_t>> integers_;

@@ -6,7 +6,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/read_file.hpp"
-#include "host/scene/text_cursor.hpp"
+#include "host/base/spelling.hpp"
 
 namespace hemiray {
 

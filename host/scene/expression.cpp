@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host/scene/spelling.hpp"
+#include "host/base/spelling.hpp"
 
 namespace hemiray {
 namespace {

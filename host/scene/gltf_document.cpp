@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/json_text.hpp"
+#include "host/base/spelling.hpp"
 #include "host/scene/data_uri.hpp"
-#include "host/scene/json_text.hpp"
-#include "host/scene/text_cursor.hpp"
 
 namespace hemiray {
 

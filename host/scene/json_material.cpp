@@ -6,8 +6,8 @@
 
 #include "host/base/image_decode.hpp"
 #include "host/base/read_file.hpp"
+#include "host/base/spelling.hpp"
 #include "host/scene/json_build.hpp"
-#include "host/scene/spelling.hpp"
 
 namespace hemiray {
 namespace {

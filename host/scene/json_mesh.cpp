@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "host/base/spelling.hpp"
 #include "host/scene/gltf_reader.hpp"
 #include "host/scene/json_build.hpp"
 #include "host/scene/json_transform.hpp"
@@ -13,7 +14,6 @@
 #include "host/scene/mesh_tools.hpp"
 #include "host/scene/obj_reader.hpp"
 #include "host/scene/ply_reader.hpp"
-#include "host/scene/spelling.hpp"
 #include "host/scene/triangulate.hpp"
 
 namespace hemiray {

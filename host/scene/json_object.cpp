@@ -5,11 +5,11 @@
 #include <array>
 #include <cmath>
 
+#include "host/base/spelling.hpp"
 #include "host/scene/json_build.hpp"
 #include "host/scene/json_keys.hpp"
 #include "host/scene/json_transform.hpp"
 #include "host/scene/mesh_tools.hpp"
-#include "host/scene/spelling.hpp"
 #include "host/scene/triangulate.hpp"
 
 namespace hemiray {

@@ -5,9 +5,9 @@
 
 #include <array>
 
+#include "host/base/json_text.hpp"
 #include "host/base/read_file.hpp"
 #include "host/scene/json_build.hpp"
-#include "host/scene/json_text.hpp"
 
 namespace hemiray {
 namespace {

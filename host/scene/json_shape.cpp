@@ -5,11 +5,11 @@
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>
 
+#include "host/base/spelling.hpp"
 #include "host/scene/json_build.hpp"
 #include "host/scene/json_keys.hpp"
 #include "host/scene/json_transform.hpp"
 #include "host/scene/shape_geometry.hpp"
-#include "host/scene/spelling.hpp"
 
 namespace hemiray {
 namespace {

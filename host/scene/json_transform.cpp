@@ -8,8 +8,8 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <numbers>
 
+#include "host/base/spelling.hpp"
 #include "host/scene/json_keys.hpp"
-#include "host/scene/spelling.hpp"
 
 namespace hemiray {
 namespace {

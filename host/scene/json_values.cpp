@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/json_text.hpp"
+#include "host/base/spelling.hpp"
 #include "host/scene/json_keys.hpp"
-#include "host/scene/json_text.hpp"
-#include "host/scene/spelling.hpp"
 
 namespace hemiray {
 

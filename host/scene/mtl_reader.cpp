@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "host/base/spelling.hpp"
 #include "host/scene/mesh_tools.hpp"
 #include "host/scene/text_cursor.hpp"
 

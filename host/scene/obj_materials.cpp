@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/spelling.hpp"
 #include "host/scene/mesh_tools.hpp"
-#include "host/scene/text_cursor.hpp"
 
 namespace hemiray {
 

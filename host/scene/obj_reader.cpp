@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "host/base/error.hpp"
+#include "host/base/spelling.hpp"
 #include "host/scene/mesh_tools.hpp"
 #include "host/scene/notes.hpp"
 #include "host/scene/obj_materials.hpp"

@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "host/base/spelling.hpp"
+
 namespace hemiray {
 
 namespace {

@@ -11,6 +11,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/read_file.hpp"
+#include "host/base/spelling.hpp"
 #include "host/scene/mesh_tools.hpp"
 #include "host/scene/notes.hpp"
 #include "host/scene/ply_header.hpp"

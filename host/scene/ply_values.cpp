@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "host/base/error.hpp"
+#include "host/base/spelling.hpp"
 
 namespace hemiray {
 

@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/numbers.hpp"
+#include "host/base/spelling.hpp"
 #include "host/scene/bounds.hpp"
 #include "host/scene/emission.hpp"
 #include "host/scene/instancing.hpp"
 #include "host/scene/shape_geometry.hpp"
-#include "host/scene/text_cursor.hpp"
 
 namespace hemiray {
 namespace {
@@ -71,16 +71,12 @@ void count_instances(const Scene& scene, SceneSummary& summary) {
   }
 }
 
-std::string plural(std::uint64_t count, const char* what) {
-  return fmt::format("{} {}{}", format_count(count), what, count == 1 ? "" : "s");
-}
-
 // "a, b, c" of those that are not zero, or "none".
 std::string list_counts(const std::vector<std::pair<std::uint64_t, const char*>>& counts) {
   std::string result;
   for (const auto& [count, what] : counts) {
     if (count == 0) continue;
-    result += (result.empty() ? "" : ", ") + plural(count, what);
+    result += (result.empty() ? "" : ", ") + format_count(count, what);
   }
   return result.empty() ? "none" : result;
 }
@@ -159,7 +155,7 @@ std::string summary_text(const SceneSummary& s) {
   }
   row("memory", fmt::format("{} on the device at {} x {}", format_bytes(s.device_bytes), s.width, s.height));
   if (s.dropped_triangles > 0) {
-    row("dropped", fmt::format("{} without area or not finite", plural(s.dropped_triangles, "triangle")));
+    row("dropped", fmt::format("{} without area or not finite", format_count(s.dropped_triangles, "triangle")));
   }
   for (const std::string& note : s.notes) row("note", note);
   return text;

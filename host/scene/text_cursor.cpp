@@ -8,12 +8,11 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/spelling.hpp"
 
 namespace hemiray {
 
 namespace {
-
-constexpr std::size_t kMaxShownBytes = 60;
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 
@@ -24,21 +23,6 @@ bool underflows(std::string_view token) {
 }
 
 }  // namespace
-
-std::string printable(std::string_view text) {
-  static constexpr char kHex[] = "0123456789abcdef";
-  std::string shown;
-  for (const char c : text.substr(0, kMaxShownBytes)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f) {
-      shown += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
-    } else {
-      shown += c;
-    }
-  }
-  if (text.size() > kMaxShownBytes) shown += "...";
-  return shown;
-}
 
 TextCursor::TextCursor(std::string_view text, std::string file, Syntax syntax)
     : text_(text), file_(std::move(file)), syntax_(syntax) {

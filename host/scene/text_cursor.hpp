@@ -8,9 +8,6 @@
 
 namespace hemiray {
 
-/// `text` made fit for a one-line message: control bytes escaped, cut after 60 bytes.
-std::string printable(std::string_view text);
-
 /// Tokens are separated by blanks and tabs; lines end with LF, CR LF or CR. In the OBJ syntax a `#` that starts a token
 /// begins a comment and a backslash at a line's end joins the next line on; in the plain syntax (PLY) neither is
 /// special.

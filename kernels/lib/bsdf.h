@@ -7,8 +7,8 @@
 #include "lib/vec.h"
 #include "shared/features.h"
 
-#define HR_INV_PI REAL(0.318309886)
-#define HR_INV_8PI REAL(0.0397887358)
+#define HR_INV_PI REAL(0.31830988618379067)
+#define HR_INV_8PI REAL(0.039788735772973836)
 
 // Physical shading: BRDF times cosine, kd/pi + ks (n+8)/(8 pi) (n.h)^n (normalised Blinn-Phong; Akenine-Moeller et al.,
 // Real-Time Rendering, 3rd ed., 7.6). Phong shading: the source's kd max(n.l,0) + ks max(n.h,0)^n; the cosine is
@@ -19,7 +19,7 @@ static inline real3 bsdf_reflect_light(real3 kd, real3 ks, real shininess, real3
   if (HR_HAS(SPECULAR)) {
     const real3 half_sum = to_light + to_viewer;
     const real length2 = dot3(half_sum, half_sum);
-    const real cosine_half = length2 > 0 ? max(dot3(n, half_sum) / sqrt(length2), REAL(0.0)) : REAL(0.0);
+    const real cosine_half = length2 > 0 ? max(divide(dot3(n, half_sum), square_root(length2)), REAL(0.0)) : REAL(0.0);
     lobe = cosine_power(min(cosine_half, REAL(1.0)), shininess);
   }
   if (HR_HAS(PHONG_SHADING)) {
@@ -42,7 +42,7 @@ static inline bool refract_about(real3 d, real3 n, real eta, real3* t) {
   const real cosine_i = -dot3(d, n);
   const real sine2_t = eta * eta * max(1 - cosine_i * cosine_i, REAL(0.0));
   if (sine2_t >= 1) return false;
-  *t = normalize3(d * eta + n * (eta * cosine_i - sqrt(1 - sine2_t)));
+  *t = normalize3(d * eta + n * (eta * cosine_i - square_root(1 - sine2_t)));
   return true;
 }
 
@@ -55,9 +55,9 @@ static inline bool refract_direction(real3 d, real3 n, real3 geometric_normal, r
 static inline real fresnel_dielectric(real cosine_i, real eta) {
   const real sine2_t = eta * eta * max(1 - cosine_i * cosine_i, REAL(0.0));
   if (sine2_t >= 1) return 1;
-  const real cosine_t = sqrt(1 - sine2_t);
-  const real parallel = (cosine_i - eta * cosine_t) / (cosine_i + eta * cosine_t);
-  const real perpendicular = (eta * cosine_i - cosine_t) / (eta * cosine_i + cosine_t);
+  const real cosine_t = square_root(1 - sine2_t);
+  const real parallel = divide(cosine_i - eta * cosine_t, cosine_i + eta * cosine_t);
+  const real perpendicular = divide(eta * cosine_i - cosine_t, eta * cosine_i + cosine_t);
   return REAL(0.5) * (parallel * parallel + perpendicular * perpendicular);
 }
 

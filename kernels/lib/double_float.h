@@ -4,7 +4,7 @@
 #ifndef HR_LIB_DOUBLE_FLOAT_H
 #define HR_LIB_DOUBLE_FLOAT_H
 
-#include "shared/scalar.h"
+#include "lib/divide.h"
 
 // The exact sum of two floats with |a| >= |b| or a = 0 (Dekker 1971).
 static inline float2 quick_two_sum(float a, float b) {
@@ -46,11 +46,11 @@ static inline float2 df_mul(float2 a, float2 b) {
 // One Newton step after a division of the high parts, which need not be rounded correctly.
 static inline float2 df_div(float2 a, float2 b) {
 #pragma OPENCL FP_CONTRACT OFF
-  const float q = a.x / b.x;
+  const float q = (float)divide(a.x, b.x);
   const float2 rest = df_add(a, -df_mul(b, (float2)(q, 0.0f)));
-  const float2 once = quick_two_sum(q, rest.x / b.x);
+  const float2 once = quick_two_sum(q, (float)divide(rest.x, b.x));
   const float2 rest2 = df_add(a, -df_mul(b, once));
-  return df_add(once, (float2)(rest2.x / b.x, 0.0f));
+  return df_add(once, (float2)((float)divide(rest2.x, b.x), 0.0f));
 }
 
 #endif

@@ -16,13 +16,13 @@ static inline bool implicit_interval(global const Shape* s, const Ray* ray, real
   real near, far;
   if (s->flags & HR_SHAPE_CLIP_SPHERE) {
     const real3 oc = o - middle_of_clip;
-    const real length2 = dot3(d, d), middle = -dot3(oc, d) / length2;
+    const real length2 = dot3(d, d), middle = -divide(dot3(oc, d), length2);
     const real3 closest = oc + d * middle;
     const real radius = s->clip.w * (1 + HR_CLIP_PAD) + HR_GAMMA(24) * (fabs(oc.x) + fabs(oc.y) + fabs(oc.z));
-    const real rest = (radius * radius - dot3(closest, closest)) / length2;
+    const real rest = divide(radius * radius - dot3(closest, closest), length2);
     if (!(rest >= 0)) return false;
-    near = middle - sqrt(rest);
-    far = middle + sqrt(rest);
+    near = middle - square_root(rest);
+    far = middle + square_root(rest);
   } else {
     const real3 inverse = (real3)(safe_reciprocal(d.x), safe_reciprocal(d.y), safe_reciprocal(d.z));
     const real3 a = (middle_of_clip - param3(s->clip) - o) * inverse;
@@ -192,7 +192,7 @@ static inline void implicit_surface(global const uint4* tapes, global const Shap
   // First to a size that can be squared.
   const real largest = max(max(fabs(gradient[0]), fabs(gradient[1])), fabs(gradient[2]));
   const bool good = largest > 4 * value_error && largest < INFINITY;
-  const real scale = good ? 1 / largest : 0;
+  const real scale = good ? divide(1, largest) : 0;
   const real3 own = (real3)(gradient[0], gradient[1], gradient[2]) * scale;
   const real3 g =
       param3(surface->to_own_x) * own.x + param3(surface->to_own_y) * own.y + param3(surface->to_own_z) * own.z;
@@ -203,9 +203,10 @@ static inline void implicit_surface(global const uint4* tapes, global const Shap
     *error = (fabs(origin) + fabs(direction * t)) * HR_GAMMA(3);
     return;
   }
-  *normal = g / sqrt(length2);
-  const real3 away = g * (value * scale / length2);
-  const real left = (value_error * scale) / sqrt(length2);
+  const real steepness = square_root(length2);
+  *normal = g * divide(1, steepness);
+  const real3 away = g * divide(value * scale, length2);
+  const real left = divide(value_error * scale, steepness);
   *position = p - away;
   *error = (fabs(origin) + fabs(direction * t)) * HR_GAMMA(3) + fabs(away) + fabs(*normal) * left;
 }

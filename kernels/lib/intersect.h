@@ -32,7 +32,7 @@ typedef struct Hit {
 } Hit;
 
 static inline real safe_reciprocal(real d) {
-  return 1 / (fabs(d) < HR_TINY_DIRECTION ? copysign(HR_TINY_DIRECTION, d) : d);
+  return divide(1, fabs(d) < HR_TINY_DIRECTION ? copysign(HR_TINY_DIRECTION, d) : d);
 }
 
 static inline Ray make_ray(real3 origin, real3 direction, real t_min, real t_max) {
@@ -107,7 +107,7 @@ static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c,
   }
   const real det = wa + wb + wc;
   if (det == 0) return false;
-  const real inverse_det = 1 / det;
+  const real inverse_det = divide(1, det);
   *t = ray->sz * fma(wa, az, fma(wb, bz, wc * cz)) * inverse_det;
   *u = wb * inverse_det;
   *v = wc * inverse_det;
@@ -125,7 +125,7 @@ static inline bool intersect_triangle_fast(const Ray* ray, real3 a, real3 e1, re
   const real sign = det < 0 ? -REAL(1.0) : REAL(1.0), size = fabs(det);
   const real su = dot3(r, e2) * sign, sv = dot3(r, e1) * sign;
   if (!(su >= 0 && sv >= 0 && su + sv <= size && size > 0)) return false;
-  const real inverse_det = 1 / size;
+  const real inverse_det = divide(1, size);
   *t = dot3(n, o) * sign * inverse_det;
   *u = su * inverse_det;
   *v = sv * inverse_det;
@@ -139,14 +139,14 @@ static inline bool intersect_sphere(const Ray* ray, real3 center, real radius, r
   const real3 oc = ray->origin - center;
   const real length2 = dot3(ray->direction, ray->direction);
   const real b = -dot3(oc, ray->direction);
-  const real3 middle = oc + ray->direction * (b / length2);
+  const real3 middle = oc + ray->direction * divide(b, length2);
   const real disc = length2 * (radius * radius - dot3(middle, middle));
   if (!(disc >= 0)) return false;
-  const real root = sqrt(disc);
+  const real root = square_root(disc);
   const real q = b >= 0 ? b + root : b - root;
   const real c = dot3(oc, oc) - radius * radius;
-  const real t0 = q / length2;
-  const real t1 = q != 0 ? c / q : t0;
+  const real t0 = divide(q, length2);
+  const real t1 = q != 0 ? divide(c, q) : t0;
   const real lo = min(t0, t1), hi = max(t0, t1);
   *t = lo > ray->t_min ? lo : hi;
   return *t > ray->t_min;
@@ -155,7 +155,7 @@ static inline bool intersect_sphere(const Ray* ray, real3 center, real radius, r
 static inline bool intersect_plane(const Ray* ray, real3 point, real3 normal, real* t) {
   const real cosine = dot3(ray->direction, normal);
   if (cosine == 0) return false;
-  *t = dot3(point - ray->origin, normal) / cosine;
+  *t = divide(dot3(point - ray->origin, normal), cosine);
   return *t > ray->t_min;
 }
 

@@ -93,6 +93,18 @@ static inline bool intersect_lane(BlockNumbers numbers, global const float* bloc
 #define HR_ROW(r) (*(global const HR_FLOATL*)(block + (r)*HR_L))
 #define HR_FLIP(v) HR_AS_FLOATL(HR_AS_INTL(v) ^ sign)
 
+// As divide() in lib/divide.h.
+static inline HR_FLOATL reciprocals(HR_FLOATL a) {
+#if HR_OWN_DIVIDE
+  float lanes[HR_L];
+  HR_STORE(HR_L, a, lanes);
+  for (uint i = 0; i < HR_L; i++) lanes[i] = divide(1, lanes[i]);
+  return HR_PASTE(vload, HR_L)(0, lanes);
+#else
+  return 1.0f / a;
+#endif
+}
+
 // What the lanes' hits are, before division: t = t_det / det and so on.
 typedef struct BlockHits {
   HR_FLOATL t_det, u_det, v_det, det;
@@ -154,7 +166,7 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
 
 // Which candidates intersect_lane() has to look at, since an edge function may be 0. Rarely any.
 static inline bool is_doubtful(real u, real v) {
-  return HR_TRIANGLE_WATERTIGHT && !(u > 0 && v > 0 && u + v < HR_SURELY_INSIDE);
+  return HR_TRIANGLE_WATERTIGHT ? !(u > 0 && v > 0 && u + v < HR_SURELY_INSIDE) : false;
 }
 
 static inline LaneSet doubtful_lanes(const BlockHits* hits) {
@@ -175,7 +187,7 @@ static inline void intersect_block_closest(BlockNumbers numbers, global const fl
   LaneSet lanes = block_candidates(numbers, block, ray, best->t, &hits);
   if (lanes) {
     float t[HR_L], u[HR_L], v[HR_L];
-    const HR_FLOATL inverse_det = 1.0f / hits.det;
+    const HR_FLOATL inverse_det = reciprocals(hits.det);
     HR_STORE(HR_L, hits.t_det * inverse_det, t);
     HR_STORE(HR_L, hits.u_det * inverse_det, u);
     HR_STORE(HR_L, hits.v_det * inverse_det, v);
@@ -207,7 +219,7 @@ static inline bool intersect_block_any(BlockNumbers numbers, global const float*
   LaneSet lanes = block_candidates(numbers, block, ray, ray->t_max, &hits);
   if (lanes) {
     float t[HR_L];
-    HR_STORE(HR_L, hits.t_det * (1.0f / hits.det), t);
+    HR_STORE(HR_L, hits.t_det * reciprocals(hits.det), t);
     const LaneSet doubtful = doubtful_lanes(&hits);
     do {
       const uint lane = first_lane(lanes);

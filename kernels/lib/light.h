@@ -31,24 +31,24 @@ static inline real spot_factor(const Light* light, real3 from_light) {
 // Sets direction and distance to `point`; false if it lies on the surface point itself.
 static inline bool aim_at(real3 position, real3 point, LightSample* s) {
   const real3 d = point - position;
-  s->distance = sqrt(dot3(d, d));
+  s->distance = square_root(dot3(d, d));
   if (!(s->distance > 0)) return false;
-  s->direction = d / s->distance;
+  s->direction = divide3(d, s->distance);
   return true;
 }
 
 // Share of what an element of area `area_m2` with normal `n` and radiance L sends: L times this.
 static inline real area_factor(const LightSample* s, real3 n, real area_m2) {
   const real cosine = -dot3(s->direction, n);
-  return cosine > 0 ? cosine * area_m2 / (s->distance * s->distance) : REAL(0.0);
+  return cosine > 0 ? divide(cosine * area_m2, s->distance * s->distance) : REAL(0.0);
 }
 
 static inline bool sample_area_light(const Light* light, uint k, real4 xi, real3 position, LightSample* s) {
-  const real u = ((real)(k % light->samples_u) + xi.x) / (real)light->samples_u;
-  const real v = ((real)(k / light->samples_u) + xi.y) / (real)light->samples_v;
+  const real u = divide((real)(k % light->samples_u) + xi.x, (real)light->samples_u);
+  const real v = divide((real)(k / light->samples_u) + xi.y, (real)light->samples_v);
   const real3 point = param3(light->position) + param3(light->edge_u) * u + param3(light->edge_v) * v;
   if (!aim_at(position, point, s)) return false;
-  const real factor = HR_HAS(PHONG_SHADING) ? REAL(1.0) / (real)light->sample_count
+  const real factor = HR_HAS(PHONG_SHADING) ? divide(1, (real)light->sample_count)
                                             : area_factor(s, param3(light->direction), light->intensity.w);
   s->irradiance = param3(light->intensity) * factor;
   if (light->primitive_count > 0) {
@@ -77,12 +77,12 @@ static inline uint find_emitter(const SceneView* view, real u) {
 static inline bool sample_emitters(const SceneView* view, const Light* light, uint k, real4 xi, real3 position,
                                    LightSample* s) {
   const real n = (real)light->sample_count;
-  const Emitter emitter = view->emitters[find_emitter(view, ((real)k + xi.x) / n)];
+  const Emitter emitter = view->emitters[find_emitter(view, divide((real)k + xi.x, n))];
   real3 point, normal;
   Surface lit;
   if (HR_HAS(TRIANGLES) && emitter.primitive < view->triangle_count) {
     const TriangleGeometry g = load_triangle(view, emitter.primitive);
-    const real root = sqrt(xi.y);
+    const real root = square_root(xi.y);
     const real u = root * (1 - xi.z), v = root * xi.z;
     point = g.a * (1 - root) + g.b * u + g.c * v;
     normal = normal_of_edges(g.b - g.a, g.c - g.a);
@@ -91,7 +91,7 @@ static inline bool sample_emitters(const SceneView* view, const Light* light, ui
   } else if (HR_HAS(SPHERES)) {
     const Sphere sphere = view->spheres[emitter.primitive - view->triangle_count];
     const real z = 1 - 2 * xi.y;
-    const real radius = sqrt(max(1 - z * z, REAL(0.0)));
+    const real radius = square_root(max(1 - z * z, REAL(0.0)));
     const real2 turn = sincos_turn(xi.z);
     normal = (real3)(radius * turn.y, radius * turn.x, z);
     point = param3(sphere.center_radius) + normal * sphere.center_radius.w;
@@ -100,7 +100,7 @@ static inline bool sample_emitters(const SceneView* view, const Light* light, ui
     return false;
   }
   if (!aim_at(position, point, s)) return false;
-  const real factor = HR_HAS(PHONG_SHADING) ? 1 / n : area_factor(s, normal, emitter.inverse_pdf) / n;
+  const real factor = divide(HR_HAS(PHONG_SHADING) ? REAL(1.0) : area_factor(s, normal, emitter.inverse_pdf), n);
   s->irradiance = lit.emission * factor;
   s->first_primitive = emitter.primitive;
   s->last_primitive = emitter.primitive;
@@ -126,7 +126,7 @@ static inline bool sample_light(const SceneView* view, const Light* light, uint 
     return true;
   }
   if (!aim_at(position, param3(light->position), s)) return false;
-  const real falloff = HR_HAS(PHONG_SHADING) ? REAL(1.0) : 1 / (s->distance * s->distance);
+  const real falloff = HR_HAS(PHONG_SHADING) ? REAL(1.0) : divide(1, s->distance * s->distance);
   real factor = falloff;
   if (HR_HAS(SPOT_LIGHTS) && light->kind == HR_LIGHT_SPOT) factor *= spot_factor(light, -s->direction);
   s->irradiance = param3(light->intensity) * factor;

@@ -15,7 +15,7 @@ static inline float strict_log2(float x) {
     m = 0.5f * m;
     exponent += 1;
   }
-  const float s = (m - 1.0f) / (m + 1.0f);
+  const float s = divide(m - 1.0f, m + 1.0f);
   const float s2 = s * s;
   const float series = 1.0f + s2 * (1.0f / 3 + s2 * (1.0f / 5 + s2 * (1.0f / 7 + s2 * (1.0f / 9))));
   return (float)exponent + 2.88539008f * s * series;
@@ -33,9 +33,15 @@ static inline float strict_exp2(float x) {
   return series * as_float((exponent + 127) << 23);
 }
 
+#if defined(HR_STRICT) && !defined(HR_DOUBLE)
+#define HR_OWN_FUNCTIONS 1
+#else
+#define HR_OWN_FUNCTIONS 0 /* double builds have no polynomials of their own: their bits are the device's */
+#endif
+
 // x^y for x in [0, 1] and y >= 0, with 0^0 = 1: a cosine lobe.
 static inline real cosine_power(real x, real y) {
-#ifdef HR_STRICT
+#if HR_OWN_FUNCTIONS
   if (y <= 0) return 1;
   if (x <= REAL(1.1754944e-38)) return 0;
   return strict_exp2(y * strict_log2(x));
@@ -46,9 +52,9 @@ static inline real cosine_power(real x, real y) {
 
 // sin and cos of 2 pi u for u in [0, 1]. Taylor series on an octant, first dropped term below 2^-25.
 static inline real2 sincos_turn(real u) {
-#ifdef HR_STRICT
+#if HR_OWN_FUNCTIONS
   const real quarter = floor(4 * u + REAL(0.5));
-  const real a = (4 * u - quarter) * REAL(1.57079633);  // in [-pi/4, pi/4]
+  const real a = (4 * u - quarter) * REAL(1.5707963267948966);  // in [-pi/4, pi/4]
   const real a2 = a * a;
   const real s =
       a * (1 + a2 * (-REAL(1.0) / 6 + a2 * (REAL(1.0) / 120 + a2 * (-REAL(1.0) / 5040 + a2 * (REAL(1.0) / 362880)))));
@@ -57,7 +63,7 @@ static inline real2 sincos_turn(real u) {
   return q == 0 ? (real2)(s, c) : (q == 1 ? (real2)(c, -s) : (q == 2 ? (real2)(-s, -c) : (real2)(-c, s)));
 #else
   real c;
-  const real s = sincos(u * REAL(6.28318531), &c);
+  const real s = sincos(u * REAL(6.283185307179586), &c);
   return (real2)(s, c);
 #endif
 }

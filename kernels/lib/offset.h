@@ -5,7 +5,7 @@
 #include "lib/vec.h"
 
 static inline real nudge(real p, real offset) {
-  return offset > 0 ? nextafter(p, INFINITY) : (offset < 0 ? nextafter(p, -INFINITY) : p);
+  return offset > 0 ? nextafter(p, (real)INFINITY) : (offset < 0 ? nextafter(p, (real)-INFINITY) : p);
 }
 
 // position +- error bounds the true point; `normal` is the geometric one; the result lies beyond the error box on the

@@ -1,7 +1,7 @@
 // Polynomials of one variable on [-1, 1] with a bound of their error: made from a tape along a ray, and searched for
 // their smallest root. The same sources in three arithmetics: float (_f), double (_d, where the device has it) and
 // float-float (_q). HR_WIDE(name) is the more precise of those in use: double, or float-float where there is no double
-// or HR_FORCE_DOUBLE_FLOAT is defined.
+// or HR_WITHOUT_DOUBLE is defined.
 //
 // The error bound. A polynomial p~ stands for all p with sum |p_k - p~_k| <= error. On [-1, 1] that bounds the values,
 // the coefficients of the Bernstein form, and what a term that is left out can add. With u the unit of rounding and
@@ -13,6 +13,7 @@
 #ifndef HR_LIB_POLYNOMIAL_H
 #define HR_LIB_POLYNOMIAL_H
 
+#include "lib/divide.h"
 #include "lib/double_float.h"
 #include "lib/vec.h"
 #include "shared/polynomial_types.h"
@@ -57,13 +58,13 @@
 #define HR_ADD(a, b) ((a) + (b))
 #define HR_MUL(a, b) ((a) * (b))
 #define HR_FMA(a, b, c) fma(a, b, c)
-#define HR_DIV(a, b) ((a) / (b))
+#define HR_DIV(a, b) ((float)divide(a, b))
 #define HR_OF_SIGNED(x) (x)
 #define HR_LDEXP(a, n) ldexp(a, n)
 #define HR_HIGH(a) (a)
 #include "lib/poly_all.def"
 
-#if defined(cl_khr_fp64) && !defined(HR_FORCE_DOUBLE_FLOAT)
+#if defined(cl_khr_fp64) && !defined(HR_WITHOUT_DOUBLE)
 #define HR_WIDE(name) name##_d
 #define HR_WIDE_NUM double
 #define HR_WIDE_ERR double

@@ -111,7 +111,7 @@ static inline uint primitive_status_exact(Primitive p, Box box) {
   const real3 largest = max(fabs(e1), fabs(e2));
   const real scale = as_float(as_uint(max_component(largest)) & 0x7f800000u);
   if (!(scale > 0)) return HR_PRIMITIVE_DEGENERATE;
-  const real3 f1 = e1 / scale, f2 = e2 / scale;
+  const real3 f1 = divide3(e1, scale), f2 = divide3(e2, scale);
   const real3 left = (real3)(f1.y * f2.z, f1.z * f2.x, f1.x * f2.y);
   const real3 right = (real3)(f1.z * f2.y, f1.x * f2.z, f1.y * f2.x);
   return left.x != right.x || left.y != right.y || left.z != right.z ? HR_PRIMITIVE_VALID : HR_PRIMITIVE_DEGENERATE;

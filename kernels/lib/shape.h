@@ -63,7 +63,7 @@ static inline bool ray_to_own(const Ray* ray, global const Shape* s, OwnRay* own
   const real3 from = ray->origin - place;
   own->start = 0;
   if (dot3(from, from) > reach * reach) {
-    own->start = -dot3(from, ray->direction) / dot3(ray->direction, ray->direction);
+    own->start = divide(-dot3(from, ray->direction), dot3(ray->direction, ray->direction));
   }
   const real3 nearest = point_from_place(ray->origin, ray->direction, place, own->start);
   if (!(dot3(nearest, nearest) <= reach * reach)) return false;
@@ -75,7 +75,7 @@ static inline bool ray_to_own(const Ray* ray, global const Shape* s, OwnRay* own
 // Where |o + t d| <= half.
 static inline Span slab_span(real o, real d, real half_size) {
 #pragma OPENCL FP_CONTRACT OFF
-  const real a = (-half_size - o) / d, b = (half_size - o) / d;
+  const real a = divide(-half_size - o, d), b = divide(half_size - o, d);
   Span span = {min(a, b), max(a, b)};
   if (d == 0) {
     span.in = fabs(o) <= half_size ? -INFINITY : INFINITY;
@@ -96,15 +96,15 @@ static inline bool is_in_span(Span span, real t) { return t >= span.in && t <= s
 // rounding.
 static inline Span quadratic_roots(real a, real b, real c, real disc) {
 #pragma OPENCL FP_CONTRACT OFF
-  const real root = copysign(sqrt(disc), b), q = -(b + root);
-  const real t0 = q / a, t1 = q == 0 ? t0 : fabs(a * c) <= q * q ? c / q : (root - b) / a;
+  const real root = copysign(square_root(disc), b), q = -(b + root);
+  const real t0 = divide(q, a), t1 = q == 0 ? t0 : fabs(a * c) <= q * q ? divide(c, q) : divide(root - b, a);
   const Span roots = {min(t0, t1), max(t0, t1)};
   return roots;
 }
 
 static inline void intersect_disk(const OwnRay* r, real radius, ShapeHits* hits) {
 #pragma OPENCL FP_CONTRACT OFF
-  const real t = -r->origin.z / r->direction.z;  // infinite or NaN along the plane
+  const real t = divide(-r->origin.z, r->direction.z);  // infinite or NaN along the plane
   const real x = fma(r->direction.x, t, r->origin.x), y = fma(r->direction.y, t, r->origin.y);
   if (x * x + y * y <= radius * radius) hits->lo = t;
 }
@@ -180,7 +180,7 @@ static inline void intersect_quadric(global const Shape* s, const OwnRay* r, Sha
   const real3 slope = quadric_product(s, o) + linear;
   const real a = dot3(d, quadric_product(s, d)), b = dot3(d, slope);
   const real c = dot3(o, slope + linear) + s->form.w;
-  const real3 middle = fma(d, (real3)(-b / a), o);
+  const real3 middle = fma(d, (real3)(divide(-b, a)), o);
   real disc = difference_of_products(b, b, a, c);
   if (dot3(middle, middle) <= dot3(o, o)) {  // not where a is 0
     const real3 there = quadric_product(s, middle) + linear;

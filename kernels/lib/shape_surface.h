@@ -27,9 +27,9 @@ static inline ShapeValue shape_value(global const Shape* s, int part, real3 p) {
   ShapeValue v = {p.z, (real3)(0, 0, 1), fabs(p.z)};
   if (s->kind == HR_SHAPE_CONE && part == HR_PART_SIDE) {
     const real3 form = param3(s->form);
-    const real distance = sqrt(p.x * p.x + p.y * p.y);
+    const real distance = square_root(p.x * p.x + p.y * p.y);
     v.f = distance - (form.x + form.y * p.z);
-    v.gradient = distance > 0 ? (real3)(p.x / distance, p.y / distance, -form.y) : (real3)(0, 0, -form.y);
+    v.gradient = distance > 0 ? (real3)(divide(p.x, distance), divide(p.y, distance), -form.y) : (real3)(0, 0, -form.y);
     v.terms = distance + form.x + fabs(form.y * p.z);
   } else if (s->kind == HR_SHAPE_CONE) {
     v.gradient.z = part == HR_PART_UPPER_CAP ? REAL(1.0) : REAL(-1.0);
@@ -60,10 +60,10 @@ static inline void shape_surface(global const Shape* s, real3 origin, real3 dire
   for (int step = 0; step < 2; step++) {
     const ShapeValue v = shape_value(s, (int)hit->u, vector_to_own(s, p));
     const real3 n = gradient_to_world(s, v.gradient);
-    const real n2 = dot3(n, n), steepness = sqrt(n2);
+    const real n2 = dot3(n, n), steepness = square_root(n2);
     if (!(n2 > 0)) break;
-    *outward = n / steepness;
-    p -= n * (v.f / n2);
+    *outward = divide3(n, steepness);
+    p -= n * divide(v.f, n2);
     unsure = (fabs(v.f) + v.terms * HR_GAMMA(12) + dot3(fabs(v.gradient), error_to_own(s, fabs(p))) * HR_GAMMA(8)) /
              steepness;
   }

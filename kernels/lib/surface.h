@@ -6,6 +6,7 @@
 #include "lib/intersect.h"
 #include "lib/scene_view.h"
 #include "lib/shape_surface.h"
+#include "lib/terminator.h"
 #include "lib/texture.h"
 #include "lib/vec.h"
 
@@ -24,6 +25,7 @@ typedef struct Surface {
   real3 error;           // bound of |position - exact point| per axis [m]
   real3 normal;          // geometric, unit, to the side the ray came from
   real3 shading_normal;  // unit, on the same side
+  real3 lift;            // from position to where shadow rays start [m] (lib/terminator.h)
   real3 kd, ks, ka, emission;
   real shininess;
   uint material;
@@ -54,17 +56,25 @@ static inline real2 interpolate_uv(const SceneView* view, uint4 i, real u, real 
   return load_uv(view, i.x) * (1 - u - v) + load_uv(view, i.y) * u + load_uv(view, i.z) * v;
 }
 
-// Interpolated vertex normal in the world, or `fallback` where a vertex has none. `instance` may be null.
-static inline real3 interpolate_normal(const SceneView* view, uint4 i, global const Instance* instance, real u, real v,
-                                       real3 fallback) {
-  real3 na = load_normal(view, i.x), nb = load_normal(view, i.y), nc = load_normal(view, i.z);
-  if (dot3(na, na) == 0 || dot3(nb, nb) == 0 || dot3(nc, nc) == 0) return fallback;
+typedef struct VertexNormals {
+  real3 a, b, c;  // in the world
+  bool smooth;    // no vertex lacks one
+} VertexNormals;
+
+// `instance` may be null.
+static inline VertexNormals load_vertex_normals(const SceneView* view, uint4 i, global const Instance* instance) {
+  VertexNormals n = {load_normal(view, i.x), load_normal(view, i.y), load_normal(view, i.z), true};
+  n.smooth = dot3(n.a, n.a) != 0 && dot3(n.b, n.b) != 0 && dot3(n.c, n.c) != 0;
   if (HR_HAS(INSTANCES) && instance) {
-    na = normal_to_world(instance, na);
-    nb = normal_to_world(instance, nb);
-    nc = normal_to_world(instance, nc);
+    n.a = normal_to_world(instance, n.a);
+    n.b = normal_to_world(instance, n.b);
+    n.c = normal_to_world(instance, n.c);
   }
-  const real3 n = na * (1 - u - v) + nb * u + nc * v;
+  return n;
+}
+
+static inline real3 interpolate_normal(const VertexNormals* normals, real u, real v, real3 fallback) {
+  const real3 n = normals->a * (1 - u - v) + normals->b * u + normals->c * v;
   return dot3(n, n) > 0 ? normalize3(n) : fallback;
 }
 
@@ -83,7 +93,7 @@ static inline real3 perturb_normal(const SceneView* view, const TriangleGeometry
   const real3 t = along_u - n * dot3(n, along_u);
   const real t2 = dot3(t, t);
   if (!(t2 > 0)) return n;
-  const real3 tangent = t / sqrt(t2);
+  const real3 tangent = divide3(t, square_root(t2));
   const real3 side = cross3(n, tangent);
   const real3 bitangent = dot3(side, along_v) > 0 ? -side : side;
   const real3 m = sample_texture(view, texture, uv) * 2 - 1;
@@ -115,7 +125,7 @@ static inline void shade_material(const SceneView* view, uint index, real2 uv, b
     const real r = clamp(roughness, HR_MIN_ROUGHNESS, REAL(1.0));
     s->kd = base * (1 - metallic);
     s->ks = (real3)(HR_DIELECTRIC_F0) * (1 - metallic) + base * metallic;
-    s->shininess = clamp(2 / (r * r * r * r) - 2, REAL(0.0), HR_MAX_SHININESS);
+    s->shininess = clamp(divide(2, r * r * r * r) - 2, REAL(0.0), HR_MAX_SHININESS);
   }
   s->ka = (m.flags & HR_MATERIAL_OWN_AMBIENT) ? (real3)(m.ka.x, m.ka.y, m.ka.z) : s->kd;
 }
@@ -153,6 +163,7 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
   real3 interpolated = outward;
   uint material = 0;
   TriangleGeometry g;
+  VertexNormals normals = {(real3)(0), (real3)(0), (real3)(0), false};
   global const Instance* instance = 0;
   if (HR_HAS(INSTANCES) && hit->primitive >= first_instanced(view)) instance = instance_of(view, hit->primitive);
   if (HR_HAS(TRIANGLES) && (instance || hit->primitive < view->triangle_count)) {
@@ -171,7 +182,8 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
     outward = normal_of_edges(g.b - g.a, g.c - g.a);
     interpolated = outward;
     if (HR_HAS(SMOOTH_NORMALS)) {
-      interpolated = interpolate_normal(view, g.indices, instance, hit->u, hit->v, outward);
+      normals = load_vertex_normals(view, g.indices, instance);
+      if (normals.smooth) interpolated = interpolate_normal(&normals, hit->u, hit->v, outward);
     }
     if (HR_HAS(TEXTURES)) {
       uv = interpolate_uv(view, g.indices, hit->u, hit->v);
@@ -217,6 +229,12 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
   s.material = material;
   s.front = dot3(outward, direction) < 0 ? 1u : 0u;
   s.normal = s.front ? outward : -outward;
+  s.lift = (real3)(0);
+#if !HR_HARD_TERMINATOR
+  if (HR_HAS(SMOOTH_NORMALS) && normals.smooth) {
+    s.lift = shadow_lift(g.b - g.a, g.c - g.a, hit->u, hit->v, normals.a, normals.b, normals.c, s.normal);
+  }
+#endif
   if (HR_HAS(NORMAL_MAPS) && has_uv) {
     const Material m = view->materials[material];
     if (m.normal_texture != HR_NO_TEXTURE) {

@@ -2,6 +2,7 @@
 #ifndef HR_LIB_VEC_H
 #define HR_LIB_VEC_H
 
+#include "lib/divide.h"
 #include "shared/scalar.h"
 
 #ifdef HR_STRICT
@@ -9,7 +10,11 @@
 #endif
 
 // Half the distance from 1 to the next real: the relative error of one rounded operation.
-#define HR_HALF_ULP REAL(5.9604644775390625e-8)
+#ifdef HR_DOUBLE
+#define HR_HALF_ULP 1.1102230246251565e-16
+#else
+#define HR_HALF_ULP 5.9604644775390625e-8f
+#endif
 
 // Bound of the relative error after n rounded operations (Higham 2002, lemma 3.1).
 #define HR_GAMMA(n) ((n)*HR_HALF_ULP / (1 - (n)*HR_HALF_ULP))
@@ -20,12 +25,12 @@ static inline real3 cross3(real3 a, real3 b) {
   return (real3)(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
-static inline real3 normalize3(real3 v) { return v / sqrt(dot3(v, v)); }
+static inline real3 normalize3(real3 v) { return divide3(v, square_root(dot3(v, v))); }
 
 // Unit normal of a triangle's edges, scaled first so that the square of a tiny area does not underflow.
 static inline real3 normal_of_edges(real3 e1, real3 e2) {
   const real3 a = fabs(e1), b = fabs(e2);
-  const real scale = 1 / max(max(max(a.x, a.y), a.z), max(max(b.x, b.y), b.z));
+  const real scale = divide(1, max(max(max(a.x, a.y), a.z), max(max(b.x, b.y), b.z)));
   return normalize3(cross3(e1 * scale, e2 * scale));
 }
 

@@ -116,21 +116,22 @@ static inline LaneSet enter_children(global const float* node, real t_min, const
 #else
 
 static inline real slab_entered(global const float* node, const AxisSlab* a, uint lane) {
-  return fma(node[a->in_row + lane], a->in_rate, a->in_offset);
+  return fma((real)node[a->in_row + lane], a->in_rate, a->in_offset);
 }
 
 static inline real slab_left(global const float* node, const AxisSlab* a, uint lane) {
-  return fma(node[a->out_row + lane], a->out_rate, a->out_offset);
+  return fma((real)node[a->out_row + lane], a->out_rate, a->out_offset);
 }
 
 static inline LaneSet enter_children(global const float* node, real t_min, const Slabs* s, real t_far, float* t_near) {
   LaneSet lanes = 0;
   for (uint i = 0; i < HR_W; i++) {
-    t_near[i] =
+    const real t_in =
         max(t_min, max(max(slab_entered(node, &s->x, i), slab_entered(node, &s->y, i)), slab_entered(node, &s->z, i)));
+    t_near[i] = convert_float_rtn(t_in);
     const real t_out = min(t_far * HR_SLAB_PAD,
                            min(min(slab_left(node, &s->x, i), slab_left(node, &s->y, i)), slab_left(node, &s->z, i)));
-    if (t_near[i] <= t_out) lanes |= lane_bit(i);
+    if (t_in <= t_out) lanes |= lane_bit(i);
   }
   return lanes;
 }

@@ -18,9 +18,9 @@ static inline uint stage_generate(const PathContext* context, PathState* s) {
   s->ray_skip = HR_NO_PRIMITIVE;
   s->control = (uint4)(0, 0, 1, HR_KIND_DIRECT);
   s->weight = (real4)(1);
-  s->sum_direct = (real4)(0);
-  s->sum_reflection = (real4)(0);
-  s->sum_refraction = (real4)(0);
+  s->sum_direct = (float4)(0);
+  s->sum_reflection = (float4)(0);
+  s->sum_refraction = (float4)(0);
   return HR_STAGE_intersect_closest;
 }
 

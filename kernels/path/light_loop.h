@@ -27,7 +27,10 @@ static inline uint after_lights(const PathContext* context, const PathState* s) 
 
 // Advances shadow_cursor to the next sample that can reach the surface and prepares its shadow ray.
 static inline uint next_light_sample(const PathContext* context, PathState* s) {
-  const real3 position = xyz(s->position), n = xyz(s->normal), n_shading = xyz(s->shading_normal);
+  const real3 n = xyz(s->normal), n_shading = xyz(s->shading_normal);
+  const real3 lift = HR_HAS(SMOOTH_NORMALS) ? xyz(s->lift) : (real3)(0);
+  const bool lifted = HR_HAS(SMOOTH_NORMALS) && dot3(lift, lift) > 0;
+  const real3 position = lifted ? xyz(s->position) + lift : xyz(s->position);
   while (s->shadow_cursor.x < context->view.light_count) {
     const Light light = context->view.lights[s->shadow_cursor.x];
     const uint k = s->shadow_cursor.y, index = s->shadow_cursor.x;
@@ -40,11 +43,12 @@ static inline uint next_light_sample(const PathContext* context, PathState* s) {
                               (HR_DIMENSION_FIRST_LIGHT + light.first_sample + k) ^ context->params.seed_key);
     LightSample sample;
     if (!sample_light(&context->view, &light, k, key, position, &sample)) continue;
-    if (!(dot3(n, sample.direction) > 0)) continue;  // the surface itself is in the way
+    if (!(dot3(lifted ? n_shading : n, sample.direction) > 0)) continue;  // the surface itself is in the way
     const real3 radiance = sample.irradiance * bsdf_reflect_light(xyz(s->kd), xyz(s->ks), s->kd.w, n_shading,
                                                                   sample.direction, -xyz(s->ray_direction));
     if (!(max_component(radiance) > 0)) continue;
-    const real3 origin = offset_origin(position, xyz(s->position_error), n, sample.direction);
+    const real3 error = lifted ? xyz(s->position_error) + fabs(lift) * HR_GAMMA(16) : xyz(s->position_error);
+    const real3 origin = offset_origin(position, error, n, n);
     s->shadow_origin = vec4(origin, sample.distance * (1 - HR_SHADOW_RAY_MARGIN));
     s->shadow_direction = vec4(sample.direction, shines_from_a_point(&light) ? (real)(index + 1) : (real)0);
     s->shadow_radiance = vec4(radiance, 0);

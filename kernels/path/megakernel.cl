@@ -9,9 +9,9 @@
 // Launch: one item a slot in [0, count). path_sum_*: radiance of the pixel sample by kind of its first bounce.
 // ray_counts[slot]: closest-hit rays and shadow rays traced.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void path_megakernel(
-    global real4* restrict path_sum_direct,
-    HR_IF_REFLECTION(global real4* restrict path_sum_reflection HR_COMMA)
-        HR_IF_REFRACTION(global real4* restrict path_sum_refraction HR_COMMA) global uint2* restrict ray_counts,
+    global float4* restrict path_sum_direct,
+    HR_IF_REFLECTION(global float4* restrict path_sum_reflection HR_COMMA)
+        HR_IF_REFRACTION(global float4* restrict path_sum_refraction HR_COMMA) global uint2* restrict ray_counts,
     const uint count, HR_CONTEXT_PARAMETERS) {
   const uint slot = (uint)get_global_id(0);
   if (slot >= count) return;

@@ -36,8 +36,9 @@ typedef struct PathContext {
 } PathContext;
 
 static inline void path_add(PathState* s, real3 radiance) {
-  real4 add = vec4(radiance, 0);
-  if (HR_HAS(SECONDARY)) add *= s->weight;
+  real4 sum = vec4(radiance, 0);
+  if (HR_HAS(SECONDARY)) sum *= s->weight;
+  const float4 add = convert_float4(sum);
   const uint kind = s->control.w & 255u;
   if (HR_HAS(REFLECTION) && kind == HR_KIND_REFLECTION) {
     s->sum_reflection += add;

@@ -50,7 +50,7 @@ static inline uint stage_scatter(const PathContext* context, PathState* s) {
   real3 kr = param3(m.kr), kt = (real3)(0), refracted = (real3)(0);
   if (HR_HAS(REFRACTION)) {
     kt = param3(m.kt);
-    const real eta = s->surface.y ? 1 / m.ks.w : m.ks.w;
+    const real eta = s->surface.y ? divide(1, m.ks.w) : m.ks.w;
     const bool transmits = max_component(kt) > 0;
     if (HR_HAS(FRESNEL) && transmits && (m.flags & HR_MATERIAL_FRESNEL)) {
       const real cosine = max(dot3(d, n) < 0 ? -dot3(d, n) : -dot3(d, n_geometric), REAL(0.0));

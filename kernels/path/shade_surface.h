@@ -30,6 +30,7 @@ static inline uint stage_shade_surface(const PathContext* context, PathState* s)
   s->position_error = vec4(surface.error, 0);
   s->normal = vec4(surface.normal, 0);
   s->shading_normal = vec4(surface.shading_normal, 0);
+  s->lift = vec4(surface.lift, 0);
   s->kd = vec4(surface.kd, surface.shininess);
   s->ks = vec4(surface.ks, 0);
   s->surface = (uint4)(surface.material, surface.front, hit.primitive, 0);

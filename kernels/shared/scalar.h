@@ -8,11 +8,20 @@
 #define HR_SHARED_END
 
 // Arithmetic is written over `real`; scene buffers hold float in every build, so that oracle inputs are exact.
+#ifdef HR_DOUBLE
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+typedef double real;
+typedef double2 real2;
+typedef double3 real3;
+typedef double4 real4;
+#define REAL(x) x
+#else
 typedef float real;
 typedef float2 real2;
 typedef float3 real3;
 typedef float4 real4;
 #define REAL(x) x##f
+#endif
 
 #else
 

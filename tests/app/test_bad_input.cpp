@@ -126,9 +126,19 @@ TEST_CASE("bad input: the command line") {
   refuse({"--seed", "4294967296"}, {"--seed"});
   refuse({"--exposure", "nan", "--png", (folder / "a.png").string()}, {"--exposure", "not a number"});
   refuse({"--exposure", "65"}, {"--exposure"});
+  refuse({"--exposure", "1"}, {"--exposure", "--png"});
   refuse({"--engine", "wavefrnt"}, {"--engine", "wavefrnt", "wavefront", "megakernel"});
   refuse({"--rays", "packet"}, {"--rays", "packet", "single", "packets", "sorted"});
   refuse({"--rays", "packets", "--strict"}, {"--rays packets", "--strict"});
+  refuse({"--rays", "packets", "--precision", "double"}, {"--rays packets", "--precision double"});
+  refuse({"--precision", "half"}, {"--precision", "single", "double"});
+  refuse({"--terminator", "soft"}, {"--terminator", "smooth", "hard"});
+  for (const char* rays : {"packets", "sorted"}) {
+    refuse({"--rays", rays, "--engine", "megakernel"}, {"--rays " + std::string(rays), "--engine megakernel"});
+  }
+  for (const char* accel : {"octree", "kdtree", "kdtree-median"}) {
+    refuse({"--tree", "fast", "--accel", accel}, {"--tree fast", "--accel " + std::string(accel)});
+  }
   refuse({"--nonsense"}, {"--nonsense", "--help"});
   refuse({"--size"}, {"--size"});
   refuse({"another.json"}, {"another.json"});

@@ -37,11 +37,12 @@ bool has_peers() {
   return run_program(small({"interior", "--peers", "--device", "nonesuch"})).err.find("libembree") == std::string::npos;
 }
 
-void check_refused(const Words& arguments, const Words& parts) {
+void check_refused(const Words& arguments, const Words& parts,
+                   const std::map<std::string, std::string>& environment = {}) {
   const TempFolder folder;
   Words words = arguments;
   words.insert(words.end(), {"--json", (folder / "a.json").string(), "--csv", (folder / "a.csv").string()});
-  const ProgramResult result = run_program(words);
+  const ProgramResult result = run_program(words, environment);
   INFO("stdout: " << result.out << "\nstderr: " << result.err);
   CHECK(result.exit_code == 2);
   CHECK(result.out.empty());
@@ -68,9 +69,27 @@ TEST_CASE("bench measures the tracers asked for, and says what memory a build ta
   for (const json& trace : scene["traces"]) {
     CHECK_THAT(trace["tracer"].get<std::string>(), Catch::StartsWith("device/quality/watertight/"));
   }
-  const ProgramResult none = run_program(small({"interior", "--tracers", "nonesuch"}));
-  CHECK(none.exit_code == 2);
-  CHECK_THAT(none.err, Catch::Contains("--tracers") && Catch::Contains("nonesuch"));
+}
+
+TEST_CASE("bench lists no packets where the device has none, and says so where they are asked for") {
+  const TempFolder folder;
+  const auto profile = [&folder](const std::string& fields) {
+    const std::string text = R"({"profiles": [{)" + fields + "}]}";
+    return std::map<std::string, std::string>{{"HEMIRAY_PROFILE", folder.write("profile.json", text).string()}};
+  };
+  const auto json_file = folder / "a.json";
+  const ProgramResult result =
+      run_program(small({"terrain", "--tracers", "quality/watertight", "--json", json_file.string()}),
+                  profile(R"("explicit_vectors": 0)"));
+  INFO(result.out << result.err);
+  REQUIRE(result.exit_code == 0);
+  const json traces = read_json(json_file)["scenes"][0]["traces"];
+  CHECK(traces.size() == 5);
+  for (const json& trace : traces) CHECK(trace["tracer"] == "device/quality/watertight/single");
+  for (const char* fields : {R"("explicit_vectors": 0)", R"("leaf_lanes": 1)"}) {
+    check_refused(small({"terrain", "--tracers", "packet"}),
+                  {"--tracers", "\"packet\"", "explicit_vectors 0 or leaf_lanes 1", "take single"}, profile(fields));
+  }
 }
 
 TEST_CASE("bench measures a scene, verifies it, and writes JSON and CSV") {
@@ -109,13 +128,14 @@ TEST_CASE("bench measures a scene, verifies it, and writes JSON and CSV") {
 TEST_CASE("bench measures a file's triangles from its camera") {
   const TempFolder folder;
   const std::string scene = folder.write("scene.json", hemiray::test::kGlassScene).string();
-  const ProgramResult result = run_program(small({scene, "--json", (folder / "a.json").string()}));
+  const ProgramResult result =
+      run_program({"bench", scene, "--rounds", "2", "--resolution", "64", "--json", (folder / "a.json").string()});
   INFO(result.out << result.err);
   REQUIRE(result.exit_code == 0);
   const json report = read_json(folder / "a.json");
   CHECK(report["scenes"][0]["wanted_triangles"].is_null());
   CHECK(report["scenes"][0]["triangles"].get<int>() >= 4);
-  CHECK_THAT(result.out, Catch::Contains("without its 1 spheres"));
+  CHECK_THAT(result.out, Catch::Contains("without its 1 sphere and 0 planes"));
 }
 
 TEST_CASE("bench counts leaks, and the watertight test has none") {
@@ -167,6 +187,7 @@ TEST_CASE("bench beside Embree gives a verdict a bar, and exit code 3 where one 
 TEST_CASE("bench refuses what it cannot measure before it measures, and writes nothing") {
   check_refused(small({"interiour"}), {"SCENE", "did you mean \"interior\""});
   check_refused(small({"nonesuch.glb"}), {"nonesuch.glb"});
+  check_refused(small({HR_SOURCE_DIR "/scenes/cornell_box.json"}), {"--triangles", "only files", "interior"});
   check_refused({"bench", "--triangles", "many"}, {"--triangles", "'many'"});
   check_refused({"bench", "--triangles", "9k"}, {"--triangles", "9k"});
   check_refused({"bench", "--triangles", "10k,30M"}, {"--triangles", "30M"});
@@ -176,6 +197,33 @@ TEST_CASE("bench refuses what it cannot measure before it measures, and writes n
   check_refused(small({"interior", "--bars"}), {"--bars", "--peers"});
   check_refused(small({"interior", "--plot", "/dev/null/x"}), {"--plot"});
   check_refused(small({"interior", "--device", "nonesuch"}), {"--device", "nonesuch"});
+  for (const std::string several : {"split:2", "all", "0,1", "split:1"}) {
+    check_refused(small({"interior", "--device", several}),
+                  {"--device: '" + several + "'", "bench measures one device", "0 "});
+  }
+  check_refused(small({"interior"}), {"HEMIRAY_DEVICE: 'all'", "bench measures one"}, {{"HEMIRAY_DEVICE", "all"}});
+  check_refused(small({"interior", "--tracers", "nonesuch"}), {"--tracers", "\"nonesuch\"", "device/quality/"});
+  check_refused(small({"interior", "--tracers", "device/quality/watertight/singel"}),
+                {"--tracers", "did you mean \"device/quality/watertight/single\""});
+  check_refused(small({"interior", "--leaks", "--tracers", "device/fast"}), {"--tracers", "\"device/fast\""});
+}
+
+TEST_CASE("bars for leaks alone need neither peers nor the interior, but --leaks") {
+  const TempFolder folder;
+  const std::string bars =
+      folder
+          .write("bars.json", R"({"hemiray_bars": 1, "rows": [{"label": "tight", "kind": "leaks", "better": "lower",)"
+                              R"("ours": "device/quality/watertight/single", "bar": 0}]})")
+          .string();
+  check_refused(small({"hair", "--bars", bars}), {"--bars", "--leaks"});
+  const ProgramResult result =
+      run_program(small({"hair", "--quick", "--leaks", "--leak-rays", "4096", "--tracers", "watertight/single",
+                         "--bars", bars, "--json", (folder / "a.json").string()}));
+  INFO(result.out << result.err);
+  CHECK(result.exit_code == 0);
+  const json judged = read_json(folder / "a.json")["bars"];
+  REQUIRE(judged.size() == 1);
+  CHECK(judged[0]["verdict"] == "PASS");
 }
 
 TEST_CASE("bench --peers in a build without Embree names the package") {
@@ -187,14 +235,19 @@ TEST_CASE("bench --bars refuses a bad file, and scenes that no bar holds") {
   if (!has_peers()) return;
   const TempFolder folder;
   const std::string bad = folder.write("bad.json", R"({"hemiray_bars": 1, "rows": [{"label": 3}]})").string();
-  const std::string other =
-      folder
-          .write("other.json", R"({"hemiray_bars": 1, "rows": [{"label": "x", "kind": "build", "better": "lower",)"
-                               R"("ours": "a", "against": ["b"], "bars": {"z80": {"10000": 1}}}]})")
-          .string();
+  const auto one_bar = [&folder](const std::string& ours) {
+    return folder
+        .write("other.json", R"({"hemiray_bars": 1, "rows": [{"label": "x", "kind": "build", "better": "lower",)"
+                             R"("ours": ")" +
+                                 ours + R"(", "against": ["embree/low"], "bars": {"z80": {"10000": 1}}}]})")
+        .string();
+  };
   check_refused(small({"interior", "--peers", "--bars", bad}), {"bad.json: /rows/0/label"});
   check_refused(small({"interior", "--peers", "--bars", (folder / "none.json").string()}), {"none.json"});
-  check_refused(small({"interior", "--peers", "--bars", other}), {"--bars", "no bars for this processor"});
+  check_refused(small({"interior", "--peers", "--bars", one_bar("device/fast")}),
+                {"--bars", "no bars for this processor"});
+  check_refused(small({"interior", "--peers", "--bars", one_bar("device/fats")}),
+                {"other.json: /rows/0/ours", "did you mean \"device/fast\""});
   check_refused(small({"terrain", "--peers", "--bars"}), {"--bars", "interior"});
 }
 

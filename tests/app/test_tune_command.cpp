@@ -51,5 +51,10 @@ TEST_CASE("tune refuses numbers that are none and files that cannot be written, 
   const ProgramResult nowhere = run_program(small((folder / "no" / "p.json").string(), "max_leaf"));
   CHECK(nowhere.exit_code == 2);
   CHECK_THAT(nowhere.err, Catch::Contains("p.json"));
+  std::vector<std::string> words = small((folder / "p.json").string(), "max_leaf");
+  words.insert(words.end(), {"--device", "split:2"});
+  const ProgramResult several = run_program(words);
+  CHECK(several.exit_code == 2);
+  CHECK_THAT(several.err, Catch::Contains("--device: 'split:2'") && Catch::Contains("tune measures one device"));
   CHECK(listing(folder.path()).empty());
 }

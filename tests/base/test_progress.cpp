@@ -143,6 +143,9 @@ TEST_CASE("numbers: bytes, counts, rates, durations") {
   CHECK(format_bytes(std::numeric_limits<std::uint64_t>::max()) == "16.0 EiB");
   CHECK(format_count(9999) == "9999");
   CHECK(format_count(12345) == "12.3 k");
+  CHECK(format_count(0, "node") == "0 nodes");
+  CHECK(format_count(1, "node") == "1 node");
+  CHECK(format_count(12345, "node") == "12.3 k nodes");
   CHECK(format_count(999999) == "1.00 M");
   CHECK(format_rate(12.34e6, "rays/s") == "12.3 Mrays/s");
   CHECK(format_rate(0, "rays/s") == "0.00 rays/s");

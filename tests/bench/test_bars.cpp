@@ -176,6 +176,25 @@ TEST_CASE("a bars file at fault is an error that says where") {
   CHECK_THAT(error_of(changed("/rows/2/bar", nullptr)), Catch::Contains("/rows/2/bar"));
 }
 
+TEST_CASE("a bar that names nobody who is measured is an error that says where, and whom it may mean") {
+  const bench::BarNames known{{"device/quality/fast/single", "embree/medium/packet8", "embree/medium/stream"},
+                              {"device/quality", "embree/medium"},
+                              {"device/quality/watertight/single"}};
+  const auto check = [&known](const std::string& pointer, const json& value) {
+    bench::check_bar_names(bench::parse_bars(changed(pointer, value), "b.json"), known, "b.json");
+  };
+  CHECK_NOTHROW(check("/rows/0/label", "other"));
+  CHECK_THROWS_AS(check("/rows/0/ours", "x"), InputError);
+  CHECK_THROWS_WITH(
+      check("/rows/0/ours", "device/quality/fast/singel"),
+      Catch::StartsWith("b.json: /rows/0/ours: ") && Catch::Contains("did you mean \"device/quality/fast/single\""));
+  CHECK_THROWS_WITH(check("/rows/0/against/1", "embree/medium/steam"),
+                    Catch::StartsWith("b.json: /rows/0/against/1: ") && Catch::Contains("embree/medium/stream"));
+  // Each kind of row has names of its own.
+  CHECK_THROWS_WITH(check("/rows/1/ours", "device/quality/fast/single"), Catch::StartsWith("b.json: /rows/1/ours: "));
+  CHECK_THROWS_WITH(check("/rows/2/ours", "device/quality/fast/single"), Catch::StartsWith("b.json: /rows/2/ours: "));
+}
+
 TEST_CASE("the processor is what /proc/cpuinfo says of it") {
   const bench::Processor big = bench::parse_processor(
       "processor\t: 0\nmodel name\t: Some Chip 9000\nflags\t\t: fpu avx2 avx512f avx512bw\n\n"

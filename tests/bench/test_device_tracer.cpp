@@ -12,7 +12,8 @@ TEST_CASE("device tracers answer as brute force does, with every tree, triangle 
   const auto workshop = std::make_shared<DeviceWorkshop>(context);
   for (const TreeBuilder tree : {TreeBuilder::fast, TreeBuilder::quality}) {
     for (const TriangleTest triangles : {TriangleTest::watertight, TriangleTest::fast}) {
-      for (const TraceMode mode : {TraceMode::single, TraceMode::packet}) {
+      for (const TraceMode mode : {TraceMode::single, TraceMode::packet, TraceMode::double_precision}) {
+        if (mode == TraceMode::double_precision && !context.device().has_fp64) continue;
         const auto tracer = make_device_tracer(workshop, {tree, triangles, mode, AccelKind::bvh});
         const auto sharer = make_device_tracer(workshop, {tree, triangles, TraceMode::single, AccelKind::bvh});
         test::check_tracer(*tracer, *sharer);

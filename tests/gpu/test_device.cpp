@@ -149,7 +149,7 @@ TEST_CASE("a wrong list of devices is an input error that names the wrong part")
   check_wrong("split:0", "'split:0'");
   check_wrong("split:-2", "'split:-2'");
   check_wrong("split:2x", "'split:2x'");
-  check_wrong("split:1000000", device.name + " has " + std::to_string(device.compute_units) + " compute units");
+  check_wrong("split:1000000", device.name + " has " + std::to_string(device.compute_units) + " compute unit");
   check_wrong("split:1," + index, "twice");
   const test::ScopedVariable variable("HEMIRAY_DEVICE", "99," + index);
   CHECK_THROWS_WITH(choose_devices(""), Catch::StartsWith("HEMIRAY_DEVICE: there is no device 99"));

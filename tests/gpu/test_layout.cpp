@@ -192,15 +192,20 @@ TEST_CASE("a pending branch takes as much memory on the device as the host sets 
       "#include \"path/path_context.h\"\n"
       "kernel void probe_branch(global uint* out) { out[0] = (uint)sizeof(PendingBranch); }\n");
   Context context(choose_device(""));
-  Program program(context, "branch", {"probe/branch.cl"}, {HR_FEATURE_BRANCHING, false});
-  Buffer<std::uint32_t> out(context, "out", 1);
-  launch(context, program.kernel("probe_branch"), 1, arguments(arg("out", out)));
-  const std::uint32_t device_size = out.read().front();
-  const std::uint64_t before = context.allocated_bytes();
-  const BranchStack stack(context, HR_FEATURE_BRANCHING, 7, 3);
-  CHECK(context.allocated_bytes() - before == std::uint64_t{7} * 3 * device_size);
+  for (const bool double_precision : {false, true}) {
+    if (double_precision && !context.device().has_fp64) continue;
+    ProgramOptions options{HR_FEATURE_BRANCHING};
+    options.double_precision = double_precision;
+    Program program(context, "branch", {"probe/branch.cl"}, options);
+    Buffer<std::uint32_t> out(context, "out", 1);
+    launch(context, program.kernel("probe_branch"), 1, arguments(arg("out", out)));
+    const std::uint32_t device_size = out.read().front();
+    const std::uint64_t before = context.allocated_bytes();
+    const BranchStack stack(context, options, 7, 3);
+    CHECK(context.allocated_bytes() - before == std::uint64_t{7} * 3 * device_size);
+  }
   const std::uint64_t with = context.allocated_bytes();
-  const BranchStack none(context, 0, 7, 3);
+  const BranchStack none(context, {}, 7, 3);
   CHECK(context.allocated_bytes() == with);
 }
 

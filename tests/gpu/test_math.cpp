@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -179,6 +180,39 @@ TEST_CASE("strict sine and cosine of a turn are within their bound and exact at 
     const double angle = std::numbers::pi * static_cast<double>(i) / 4.0;
     CHECK(out[i].x == std::round(std::sin(angle)));
     CHECK(out[i].y == std::round(std::cos(angle)));
+  }
+}
+
+// Strict builds: what the device promises to round, and both replacements where it does not, by force.
+TEST_CASE("strict quotients and square roots are rounded correctly on every device") {
+  std::mt19937 random(8);
+  const auto word = [&random] { return static_cast<std::uint32_t>(random()); };
+  const auto number = [&word](bool any_exponent) {
+    const std::uint32_t mantissa = word() % 8 == 0 ? 0x7fffffU - word() % 3 : word() >> 9U;
+    return std::bit_cast<float>(word() << 31U | (any_exponent ? 70U + word() % 116U : 127U) << 23U | mantissa);
+  };
+  std::vector<shared::float2> in = {{1, 3},      {0, 5}, {-0.0F, 5},    {1, 0},       {0, 0},
+                                    {-7, 1e-3F}, {2, 1}, {INFINITY, 2}, {3, INFINITY}};
+  while (in.size() < 1000000) in.push_back({number(in.size() % 2 == 0), number(in.size() % 2 == 0)});
+  for (const std::string forced :
+       {"", "#undef HR_ROUNDS_DIVIDE\n", "#undef HR_ROUNDS_DIVIDE\n#define HR_WITHOUT_DOUBLE 1\n"}) {
+    const std::string text =
+        probe_of("divide", "float2", "float2", "(float2)(divide(x.x, x.y), square_root(fabs(x.x)))");
+    const auto out = run_probe<shared::float2, shared::float2>(forced + text, in, true);
+    INFO(forced);
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < in.size(); i++) {
+      const float quotient = in[i].x / in[i].y, root = std::sqrt(std::abs(in[i].x));
+      const auto differs = [](float a, float b) {
+        return std::bit_cast<std::uint32_t>(a) != std::bit_cast<std::uint32_t>(b) && !(std::isnan(a) && std::isnan(b));
+      };
+      if (differs(out[i].x, quotient) || differs(out[i].y, root)) {
+        if (wrong++ == 0) {
+          UNSCOPED_INFO("first: " << in[i].x << " / " << in[i].y << " gives " << out[i].x << ", the root " << out[i].y);
+        }
+      }
+    }
+    CHECK(wrong == 0);
   }
 }
 

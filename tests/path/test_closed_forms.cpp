@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/path/render.hpp"
 #include "tests/path/render_on_device.hpp"
 #include "tests/reference/closed_forms.hpp"
 #include "tests/reference/scene_builder.hpp"
@@ -205,6 +206,59 @@ TEST_CASE("device: reflection and refraction at glass have the shares of Fresnel
       }
     }
   }
+}
+
+namespace {
+
+/// Of the pixels that the smooth surface turns to the light: the share that is black, and the largest relative
+/// difference of the others from Lambert's cosine law.
+struct Terminator {
+  double black = 0.0, difference = 0.0;
+};
+
+Terminator terminator_of_ball(bool smooth) {
+  Scene scene = empty_scene({0, 0, 3}, {0, 0, 0}, 40.0);
+  add_smooth_ball(scene, {0, 0, 0}, 1.0, 8, add_material(scene, diffuse(Vec3(1.0F))));
+  Light light;
+  light.kind = LightKind::directional;
+  light.direction = glm::normalize(DVec3(-1, 0, 0.3));  // its horizon goes through triangles
+  scene.lights.push_back(light);
+  RenderOptions options;
+  options.width = options.height = 96;
+  options.spp = 1;
+  options.smooth_terminator = smooth;
+  Context context(choose_device(""));
+  const Image image = render_scene(context, scene, options).image;
+  Terminator result;
+  int turned = 0, black = 0;
+  for (int y = 0; y < 96; ++y) {
+    for (int x = 0; x < 96; ++x) {
+      const DVec3 normal(value_at(image, "normal", x, y, 0), value_at(image, "normal", x, y, 1),
+                         value_at(image, "normal", x, y, 2));
+      const double cosine = glm::dot(normal, -light.direction);
+      if (value_at(image, "id", x, y) == 0.0 || cosine < 0.05) continue;
+      turned++;
+      const double radiance = kPi * value_at(image, "", x, y);
+      if (radiance == 0.0) {
+        black++;
+      } else {
+        result.difference = std::max(result.difference, std::abs(radiance / cosine - 1.0));
+      }
+    }
+  }
+  REQUIRE(turned > 1000);
+  result.black = static_cast<double>(black) / turned;
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a coarse ball with smooth normals is lit up to its smooth horizon, not to its triangles'") {
+  const Terminator smooth = terminator_of_ball(true), hard = terminator_of_ball(false);
+  INFO("black: " << smooth.black << " with, " << hard.black << " without the lift of shadow rays");
+  CHECK(smooth.black == 0.0);
+  CHECK(smooth.difference < kFloatRadiance);
+  CHECK(hard.black > 0.02);
 }
 
 }  // namespace hemiray

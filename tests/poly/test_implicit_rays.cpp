@@ -59,7 +59,7 @@ kernel void polynomials(global const uint4* tapes, global const Shape* surface, 
 }
 )";
 const std::string kAsTwo =
-    "#include \"lib/implicit.h\"\n#define poly_along_wide HR_WIDE(poly_along)\n#ifdef HR_FORCE_DOUBLE_FLOAT\n"
+    "#include \"lib/implicit.h\"\n#define poly_along_wide HR_WIDE(poly_along)\n#ifdef HR_WITHOUT_DOUBLE\n"
     "#define as_two(v) (v)\n#else\n#define as_two(v) ((float2)((float)(v), (float)((v) - "
     "(double)(float)(v))))\n#endif\n";
 
@@ -386,7 +386,7 @@ TEST_CASE("implicit surfaces: no first root is missed and none invented") {
       const std::vector<Shot> shots = make_shots(form, expression, turned, scale, center, count, places);
       std::vector<Truth> truths;
       for (const Shot& shot : shots) truths.push_back(truth_of(expression, surface, shot));
-      std::vector<std::string> methods = {"#define HR_FORCE_DOUBLE_FLOAT\n"};
+      std::vector<std::string> methods = {"#define HR_WITHOUT_DOUBLE\n"};
       if (choose_device("").has_fp64) methods.insert(methods.begin(), {"", "#define HR_POLY_STURM\n"});
       for (const std::string& defines : methods) {
         const Tally tally = judge(shots, truths, shoot(expression, surface, shots, defines));
@@ -417,7 +417,7 @@ TEST_CASE("implicit surfaces: the bound of the coefficients' error holds, and is
       shots.push_back({Vec3(from), Vec3(-glm::normalize(from + 0.1 * places.in_cube(1.0)))});
     }
     for (const bool wide : {false, true}) {
-      for (const std::string defines : {"", "#define HR_FORCE_DOUBLE_FLOAT\n"}) {
+      for (const std::string defines : {"", "#define HR_WITHOUT_DOUBLE\n"}) {
         // Two floats cannot bring back what double knows.
         if (defines.empty() && (wide || !choose_device("").has_fp64)) continue;
         const auto found = run<shared::float2>("polynomials", expression, surface, shots, defines, 36, nullptr);

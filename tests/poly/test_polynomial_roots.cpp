@@ -67,7 +67,7 @@ const std::string kDouble =
     "#define WIDE_OF(h, l) ((double)(h) + (double)(l))\n#define WIDE_BOUND double\n"
     "#define TWO_FLOATS(v) (float)(v), (float)((v) - (double)(float)(v))\n";
 const std::string kDoubleFloat =
-    "#define HR_FORCE_DOUBLE_FLOAT\n#define WIDE_OF(h, l) (float2)(h, l)\n#define WIDE_BOUND float\n"
+    "#define HR_WITHOUT_DOUBLE\n#define WIDE_OF(h, l) (float2)(h, l)\n#define WIDE_BOUND float\n"
     "#define TWO_FLOATS(v) (v).x, (v).y\n";
 const std::string kSturm = "#define HR_POLY_STURM\n";
 

@@ -103,6 +103,17 @@ void evaluate_triangle(const World& world, const Ray& ray, const Hit& hit, Surfa
     shading = perturbed(world.scene, material, triangle, attributes, shading);
   }
   set_normals(surface, ray, triangle.normal, shading);
+  if (!triangle.smooth) return;
+  // Hanika's shadow origin: the mean of the point's projections onto the vertices' tangent planes, where above it.
+  const DVec3 on_triangle = triangle.corners[0] * hit.barycentrics.x + triangle.corners[1] * hit.barycentrics.y +
+                            triangle.corners[2] * hit.barycentrics.z;
+  for (int corner = 0; corner < 3; ++corner) {
+    const auto c = static_cast<std::size_t>(corner);
+    DVec3 up = triangle.normals[c];
+    if (glm::dot(up, surface.geometric_normal) < 0.0) up = -up;
+    const double height = glm::dot(on_triangle - triangle.corners[c], up);
+    if (height < 0.0) surface.lift_m -= hit.barycentrics[corner] * height * up;
+  }
 }
 
 }  // namespace

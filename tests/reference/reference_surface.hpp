@@ -12,6 +12,7 @@ struct Surface {
   bool front = true;            ///< the ray arrives at the front
   DVec3 geometric_normal{0.0};  ///< unit length, towards the viewer
   DVec3 shading_normal{0.0};    ///< unit length, on the side of geometric_normal
+  DVec3 lift_m{0.0};            ///< from position_m to where shadow rays start
   DVec3 kd{0.0}, ka{0.0}, ks{0.0}, kr{0.0}, kt{0.0};
   double exponent = 1.0;  ///< Blinn-Phong
   double ior = 1.0;

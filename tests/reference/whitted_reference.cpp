@@ -83,7 +83,8 @@ class Tracer {
 
  private:
   Radiance trace(const Ray& ray, int bounce, std::uint32_t ordinal, const DVec3& throughput);
-  [[nodiscard]] DVec3 local_light(const Ray& ray, const Surface& surface, std::uint32_t ordinal) const;
+  [[nodiscard]] DVec3 local_light(const Ray& ray, const Surface& surface, const PrimitiveId& own,
+                                  std::uint32_t ordinal) const;
   [[nodiscard]] DVec3 response(const Ray& ray, const Surface& surface, const LightSample& sample) const;
 
   const Scene& scene_;
@@ -129,19 +130,24 @@ DVec3 Tracer::response(const Ray& ray, const Surface& surface, const LightSample
 }
 
 /// Emission, ambient and direct light at a hit.
-DVec3 Tracer::local_light(const Ray& ray, const Surface& surface, std::uint32_t ordinal) const {
+DVec3 Tracer::local_light(const Ray& ray, const Surface& surface, const PrimitiveId& own, std::uint32_t ordinal) const {
+  const bool lifted = surface.lift_m != DVec3(0.0);
+  const DVec3 start = surface.position_m + surface.lift_m;
+  const DVec3& horizon = lifted ? surface.shading_normal : surface.geometric_normal;
   DVec3 sum = surface.ka * DVec3(scene_.ambient);
   if (surface.front) sum += surface.emission;
   RandomKey key = key_;
   key.ordinal = ordinal;
   for (std::size_t light = 0; light < lights_.size(); ++light) {
     for (int k = 0; k < lights_.sample_count(light); ++k) {
-      const auto sample = lights_.sample(light, k, surface.position_m, key);
-      if (!sample || !(glm::dot(surface.geometric_normal, sample->direction) > 0.0)) continue;
+      const auto sample = lights_.sample(light, k, start, key);
+      if (!sample || !(glm::dot(horizon, sample->direction) > 0.0)) continue;
       const DVec3 contribution = response(ray, surface, *sample);
       if (!any_positive(contribution)) continue;
-      const Ray shadow{surface.position_m, sample->direction, surface.position_error_m};
-      if (!intersector_.occluded(shadow, sample->distance_m, sample->own)) sum += contribution;
+      const Ray shadow{start, sample->direction, surface.position_error_m};
+      std::vector<PrimitiveId> ignored = sample->own;
+      if (lifted) ignored.push_back(own);
+      if (!intersector_.occluded(shadow, sample->distance_m, ignored)) sum += contribution;
     }
   }
   return sum;
@@ -155,7 +161,7 @@ Radiance Tracer::trace(const Ray& ray, int bounce, std::uint32_t ordinal, const 
     return result;
   }
   const Surface surface = surface_at(world_, ray, *hit);
-  result.direct = local_light(ray, surface, ordinal);
+  result.direct = local_light(ray, surface, hit->primitive, ordinal);
   if (bounce >= options_.depth) return result;
 
   DVec3 kr = surface.kr;

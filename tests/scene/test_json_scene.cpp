@@ -6,12 +6,12 @@
 #include <set>
 
 #include "host/base/error.hpp"
+#include "host/base/spelling.hpp"
 #include "host/scene/features.hpp"
 #include "host/scene/flat_scene.hpp"
 #include "host/scene/json_keys.hpp"
 #include "host/scene/json_scene.hpp"
 #include "host/scene/load.hpp"
-#include "host/scene/spelling.hpp"
 #include "host/scene/summary.hpp"
 #include "tests/support/temp_folder.hpp"
 

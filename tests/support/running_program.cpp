@@ -94,13 +94,21 @@ bool RunningProgram::read_some() {
   return count > 0;
 }
 
-void RunningProgram::wait_for(const std::string& text) {
+void RunningProgram::read_until(const std::function<bool()>& said, const std::string& what) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(kTimeoutMs);
-  while (err_.find(text) == std::string::npos) {
+  while (!said()) {
     if (std::chrono::steady_clock::now() > deadline || !read_some()) {
-      throw std::runtime_error("stderr never said \"" + text + "\"; it said: " + err_);
+      throw std::runtime_error("stderr never said " + what + "; it said: " + err_);
     }
   }
+}
+
+void RunningProgram::wait_for(const std::string& text) {
+  read_until([&] { return err_.find(text) != std::string::npos; }, "\"" + text + "\"");
+}
+
+void RunningProgram::wait_for(const std::regex& pattern) {
+  read_until([&] { return std::regex_search(err_, pattern); }, "what was waited for");
 }
 
 void RunningProgram::send(int signal_number) const {

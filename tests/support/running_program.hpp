@@ -4,7 +4,9 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -35,12 +37,14 @@ class RunningProgram {
 
   /// Reads stderr until it holds `text`. Throws if the program ends before.
   void wait_for(const std::string& text);
+  void wait_for(const std::regex& pattern);
   void send(int signal_number) const;
   /// Reads stderr to its end and waits for the program.
   ProgramEnd wait();
 
  private:
   bool read_some();  // false at the end of stderr
+  void read_until(const std::function<bool()>& said, const std::string& what);
 
   pid_t child_ = -1;
   int stderr_ = -1;

@@ -1,15 +1,14 @@
 // Edit distance (optimal string alignment) for messages.
-#include "host/scene/spelling.hpp"
+#include "host/base/spelling.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <vector>
 
-#include "host/scene/text_cursor.hpp"
-
 namespace hemiray {
 namespace {
 
+constexpr std::size_t kMaxShownBytes = 60;
 constexpr std::size_t kLongestName = 64;  // longer words get no suggestion: the table is quadratic
 
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
@@ -48,6 +47,21 @@ std::string_view nearest_spelling(std::string_view word, std::span<const std::st
     }
   }
   return best;
+}
+
+std::string printable(std::string_view text) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  std::string shown;
+  for (const char c : text.substr(0, kMaxShownBytes)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) {
+      shown += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
+    } else {
+      shown += c;
+    }
+  }
+  if (text.size() > kMaxShownBytes) shown += "...";
+  return shown;
 }
 
 std::string in_quotes(std::string_view text) { return "\"" + printable(text) + "\""; }

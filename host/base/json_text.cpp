@@ -1,6 +1,6 @@
 // Strict JSON: a scan for nesting and NUL bytes, then nlohmann's SAX parser into a value of our own building, which
 // sees doubled keys and knows where the parser stopped.
-#include "host/scene/json_text.hpp"
+#include "host/base/json_text.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/scene/spelling.hpp"
+#include "host/base/spelling.hpp"
 
 namespace hemiray {
 namespace {
