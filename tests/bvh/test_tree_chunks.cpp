@@ -33,17 +33,17 @@ Context context_with(std::uint32_t tree_chunk_kib) {
   return {device, profile};
 }
 
-struct Shape {
+struct TreeShape {
   const char* name;
   AccelOptions options;
 };
 
 // Nodes and blocks of such trees take so much alike that both can lie in 2 to 8 chunks of the same size. In all but the
 // first a leaf may have several blocks, which then cross the ends of chunks.
-const std::vector<Shape>& shapes() {
+const std::vector<TreeShape>& shapes() {
   constexpr auto kQuality = TreeBuilder::quality;
   constexpr auto kTight = TriangleTest::watertight;
-  static const std::vector<Shape> kShapes = {
+  static const std::vector<TreeShape> kShapes = {
       {"8 wide, 2 lanes, leaves of 2", {kQuality, kTight, 0, 8, 2, 2, 1}},
       {"8 wide, 1 lane, leaves of 4", {kQuality, kTight, 0, 8, 1, 4, 1}},
       {"4 wide, 2 lanes, leaves of 4, loops", {TreeBuilder::fast, kTight, 0, 4, 2, 4, 0}},
@@ -163,7 +163,7 @@ TEST_CASE("a tree in chunks is that in one piece: bytes, rays of all kinds, near
   const Rays rays = rays_for_all(102), at_triangles = rays_at_triangles(flat);
   std::size_t crossing = 0;
   const std::vector<QueryPoint> points = points_to_search(103);
-  for (const Shape& shape : shapes()) {
+  for (const TreeShape& shape : shapes()) {
     INFO(shape.name);
     TreeWorkshop in_one;
     test::BuiltTree whole(in_one, flat, shape.options);
@@ -220,7 +220,7 @@ TEST_CASE("the trees of instances in chunks are those in one piece, refitted one
   }
   const FlatScene flat = flatten_scene(scene, Instancing::always);
   const Rays rays = rays_for_all(109);
-  for (const Shape& shape : {shapes().front(), shapes().back()}) {
+  for (const TreeShape& shape : {shapes().front(), shapes().back()}) {
     INFO(shape.name);
     TreeWorkshop in_one;
     InstancedTree whole(in_one, flat, shape.options);
