@@ -17,6 +17,7 @@
 #include "lib/double_float.h"
 #include "lib/vec.h"
 #include "shared/polynomial_types.h"
+#include "shared/scene_types.h"
 
 #ifdef cl_khr_fp64
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
