@@ -108,6 +108,9 @@ std::string report_table(const RenderFacts& f, const RenderStatistics& s) {
   line("trace",
        fmt::format("{}, {} rays, {}", format_duration(s.trace_ms * 1e-3), format_count(s.rays.closest + s.rays.shadow),
                    format_rate(total_rays(s) / (s.trace_ms * 1e-3), "rays/s")));
+  if (has_feature(s.features, HR_FEATURE_IMPLICITS)) {
+    line("uncertain", fmt::format("{} roots of implicit surfaces, taken as misses", format_count(s.uncertain_roots)));
+  }
   line("first", fmt::format("{:.2f} s to the first picture, {:.2f} s in all", f.first_pixel_s, f.total_s));
   text += fmt::format("{:<26}{:>9}{:>12}{:>12}{:>12}\n", "kernel", "launches", "items", "ms", "Mrays/s");
   for (const StageTime& stage : s.stages) {
@@ -155,6 +158,7 @@ std::string report_json(const RenderFacts& f, const RenderStatistics& s) {
                                 {"precision", f.precision},
                                 {"terminator", f.terminator}}},
                               {"effects", feature_names(s.features)},
+                              {"uncertain_roots", s.uncertain_roots},
                               {"passes", s.passes},
                               {"interrupted", s.interrupted},
                               {"load_ms", f.load_ms},

@@ -27,7 +27,9 @@ std::string_view included_path(std::string_view line) {
 class Flattener {
  public:
   void add(const std::string& path) {
-    if (!seen_.insert(path).second) return;
+    // Lists and templates (.def) may be read again, but not within themselves.
+    if (!seen_.insert(path).second && !path.ends_with(".def")) return;
+    if (!open_.insert(path).second) return;
     std::istringstream lines(kernel_source(path));
     text_ += "#line 1 \"" + path + "\"\n";
     std::string line;
@@ -40,11 +42,13 @@ class Flattener {
         text_ += "#line " + std::to_string(number + 1) + " \"" + path + "\"\n";
       }
     }
+    open_.erase(path);
   }
   std::string take() { return std::move(text_); }
 
  private:
   std::set<std::string> seen_;
+  std::set<std::string> open_;
   std::string text_;
 };
 

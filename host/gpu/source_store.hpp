@@ -20,7 +20,8 @@ extern const std::size_t kEmbeddedKernelCount;
 /// Throws InputError if there is no such file.
 std::string kernel_source(const std::string& path);
 
-/// The files one after the other with every #include "..." expanded once and #line directives, so that compile errors
+/// The files one after the other with every #include "..." expanded once (.def files each
+/// time) and #line directives, so that compile errors
 /// name the file at fault. This text is what is compiled, dumped and hashed: drivers never see an include path.
 std::string flatten_kernels(const std::vector<std::string>& paths);
 

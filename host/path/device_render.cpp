@@ -45,6 +45,7 @@ void DeviceRender::describe(RenderStatistics& statistics) {
   statistics.planes = scene_.plane_count();
   statistics.lights = scene_.light_count();
   statistics.emitters = scene_.emitter_count();
+  statistics.uncertain_roots = scene_.uncertain_roots();
   statistics.upload_ms = upload_ms_;
   statistics.predicted_device_bytes = predicted_bytes_;
   statistics.stages = context_->profiler().stages();

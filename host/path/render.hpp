@@ -73,6 +73,7 @@ struct RenderStatistics {
   AccelStatistics accel;
   std::uint32_t planes = 0, lights = 0, emitters = 0;
   RayCounts rays;
+  std::uint64_t uncertain_roots = 0;  ///< regions of rays in which it is open whether they meet an implicit surface
   int passes = 0;
   bool interrupted = false;
   double upload_ms = 0.0;                   ///< flattening the scene and copying it to the device (the slowest)

@@ -164,6 +164,7 @@ void add_statistics(RenderStatistics& all, const RenderStatistics& one) {
   all.programs.insert(all.programs.end(), one.programs.begin(), one.programs.end());
   add_stages(all.stages, one.stages);
   const DeviceStatistics& device = one.devices.front();
+  all.uncertain_roots += one.uncertain_roots;
   all.rays.closest += device.rays.closest;
   all.rays.shadow += device.rays.shadow;
   all.devices.push_back(device);

@@ -41,6 +41,7 @@ std::uint64_t predict_scene_bytes(const FlatScene& flat, std::uint32_t features)
          bytes_of(flat.materials) + if_on(HR_FEATURE_TRIANGLES, bytes_of(flat.triangle_objects)) +
          if_on(HR_FEATURE_SMOOTH_NORMALS, bytes_of(flat.normals)) +
          if_on(HR_FEATURE_VERTEX_COLORS, bytes_of(flat.colors)) + if_on(HR_FEATURE_PLANES, bytes_of(flat.planes)) +
+         if_on(HR_FEATURE_IMPLICITS, bytes_of(flat.tapes) + sizeof(std::uint32_t)) +
          if_on(HR_FEATURE_INSTANCES, bytes_of(flat.instances)) + if_on(HR_FEATURE_LIGHTS, bytes_of(flat.lights)) +
          if_on(HR_FEATURE_EMITTERS, bytes_of(flat.emitters)) +
          if_on(HR_FEATURE_TEXTURES, bytes_of(flat.uvs) + bytes_of(flat.textures) + bytes_of(flat.texels) + kSrgbTable);
@@ -70,6 +71,9 @@ DeviceScene::DeviceScene(Context& context, const FlatScene& flat, std::uint32_t 
   normals_ = upload_if(has(HR_FEATURE_SMOOTH_NORMALS), context, "normals", flat.normals);
   uvs_ = upload_if(textured, context, "uvs", flat.uvs);
   colors_ = upload_if(has(HR_FEATURE_VERTEX_COLORS), context, "colors", flat.colors);
+  tapes_ = upload_if(has(HR_FEATURE_IMPLICITS), context, "tapes", flat.tapes);
+  uncertain_roots_ =
+      upload_if(has(HR_FEATURE_IMPLICITS), context, "uncertain_roots", std::vector<std::uint32_t>(1, 0U));
   planes_ = upload_if(has(HR_FEATURE_PLANES), context, "planes", flat.planes);
   lights_ = upload_if(has(HR_FEATURE_LIGHTS), context, "lights", flat.lights);
   emitters_ = upload_if(has(HR_FEATURE_EMITTERS), context, "emitters", flat.emitters);
@@ -101,7 +105,12 @@ Arguments DeviceScene::shading_arguments() const {
 #define HR_BIND(feature, type, name) bind(HR_FEATURE_##feature, #name, name##_);
   HR_SCENE_BUFFERS(HR_BIND)
 #undef HR_BIND
+  if (has_feature(features_, HR_FEATURE_IMPLICITS)) all.push_back(arg("uncertain_roots", uncertain_roots_));
   return all;
+}
+
+std::uint64_t DeviceScene::uncertain_roots() const {
+  return has_feature(features_, HR_FEATURE_IMPLICITS) ? uncertain_roots_.read()[0] : 0;
 }
 
 }  // namespace hemiray

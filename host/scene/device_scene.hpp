@@ -44,6 +44,8 @@ class DeviceScene {
   [[nodiscard]] Arguments geometry_arguments() const;
   /// The same for any tree, with first_triangle.
   [[nodiscard]] Arguments geometry_arguments(const TreeInput& input) const;
+  /// How often a ray may have met an implicit surface where it is said not to, until now. Waits for the device.
+  [[nodiscard]] std::uint64_t uncertain_roots() const;
   /// Everything of shared/scene_buffers.def but the tree, as far as the mask has it.
   [[nodiscard]] Arguments shading_arguments() const;
 
@@ -60,6 +62,8 @@ class DeviceScene {
   Buffer<float> colors_;
   Buffer<shared::Sphere> spheres_;
   Buffer<shared::Shape> shapes_;
+  Buffer<shared::uint4> tapes_;
+  Buffer<std::uint32_t> uncertain_roots_;
   Buffer<shared::Plane> planes_;
   Buffer<shared::Material> materials_;
   Buffer<shared::Light> lights_;

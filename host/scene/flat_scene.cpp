@@ -1,5 +1,7 @@
 #include "host/scene/flat_scene.hpp"
 
+#include <bit>
+
 #include <algorithm>
 #include <array>
 
@@ -123,6 +125,14 @@ std::uint32_t append_light_quad(const Light& light, std::uint32_t object_index, 
 
 }  // namespace
 
+// Behind the others; the last shape is told where.
+static void add_tape(const std::vector<shared::uint4>& tape, FlatScene& flat) {
+  shared::Shape& shape = flat.shapes.back();
+  shape.form.x = std::bit_cast<float>(static_cast<std::uint32_t>(flat.tapes.size()));
+  shape.form.y = std::bit_cast<float>(static_cast<std::uint32_t>(tape.size()));
+  flat.tapes.insert(flat.tapes.end(), tape.begin(), tape.end());
+}
+
 FlatScene flatten_scene(const Scene& scene, Instancing instancing) {
   FlatScene flat;
   for (const Material& material : scene.materials) flat.materials.push_back(flatten_material(material));
@@ -145,6 +155,7 @@ FlatScene flatten_scene(const Scene& scene, Instancing instancing) {
   }
   for (const Shape& shape : scene.shapes) {
     flat.shapes.push_back(flatten_shape(shape));
+    if (shape.kind == ShapeKind::implicit) add_tape(shape.expression.tape, flat);
     flat.shapes.back().object = object_index++;
   }
   for (const Plane& plane : scene.planes) {

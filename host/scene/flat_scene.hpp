@@ -30,6 +30,7 @@ struct FlatScene {
   std::vector<std::uint32_t> triangle_objects;  ///< of the world's own
   std::vector<shared::Sphere> spheres;
   std::vector<shared::Shape> shapes;
+  std::vector<shared::uint4> tapes;  ///< of implicit shapes, one behind the other
   std::vector<shared::Plane> planes;
   std::vector<shared::Material> materials;
   std::vector<shared::Light> lights;

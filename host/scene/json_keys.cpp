@@ -96,6 +96,14 @@ constexpr auto kCone = std::to_array<JsonKey>({{"type", kRequired},
                                                {"transform"}});
 constexpr auto kQuadric = std::to_array<JsonKey>(
     {{"type", kRequired}, {"name"}, {"coefficients", kRequired}, {"center"}, {"clip"}, {"material"}, {"transform"}});
+constexpr auto kImplicit = std::to_array<JsonKey>({{"type", kRequired},
+                                                   {"name"},
+                                                   {"expression", kRequired},
+                                                   {"constants"},
+                                                   {"center"},
+                                                   {"clip", kRequired},
+                                                   {"material"},
+                                                   {"transform"}});
 constexpr auto kCoefficients =
     std::to_array<JsonKey>({{"x2"}, {"y2"}, {"z2"}, {"xy"}, {"yz"}, {"zx"}, {"x"}, {"y"}, {"z"}, {"1"}});
 constexpr auto kClip = std::to_array<JsonKey>({{"box"}, {"sphere"}});
@@ -139,6 +147,7 @@ constexpr auto kTables = std::to_array<JsonKeyTable>({{"scene", kScene},
                                                       {"cylinder", kCylinder},
                                                       {"cone", kCone},
                                                       {"quadric", kQuadric},
+                                                      {"implicit", kImplicit},
                                                       {"coefficients", kCoefficients},
                                                       {"clip", kClip},
                                                       {"clip_box", kClipBox},
@@ -147,8 +156,8 @@ constexpr auto kTables = std::to_array<JsonKeyTable>({{"scene", kScene},
                                                       {"directional", kDirectional},
                                                       {"spot", kSpot},
                                                       {"area", kArea}});
-constexpr auto kObjectTypes =
-    std::to_array<std::string_view>({"mesh", "quad", "plane", "sphere", "box", "disk", "cylinder", "cone", "quadric"});
+constexpr auto kObjectTypes = std::to_array<std::string_view>(
+    {"mesh", "quad", "plane", "sphere", "box", "disk", "cylinder", "cone", "quadric", "implicit"});
 constexpr auto kLightTypes = std::to_array<std::string_view>({"point", "directional", "spot", "area"});
 
 }  // namespace

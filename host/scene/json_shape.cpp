@@ -1,4 +1,4 @@
-// Disks, cylinders, cones and quadrics among the "objects" of a JSON scene.
+// Disks, cylinders, cones, quadrics and implicit surfaces among the "objects" of a JSON scene.
 #include <fmt/format.h>
 
 #include <array>
@@ -53,6 +53,30 @@ void read_coefficients(const JsonNode& node, Shape& shape) {
   }
 }
 
+ExpressionConstants read_constants(const JsonNode& node) {
+  if (!node.is_object()) node.fail("expected an object of named numbers, found " + describe(node.value()));
+  ExpressionConstants constants;
+  for (const auto& member : node.value().items()) {
+    if (!is_constant_name(member.key())) {
+      node.fail(fmt::format("{} cannot name a constant: use a letter, then letters, digits and _, but not x, y or z",
+                            in_quotes(member.key())));
+    }
+    constants[member.key()] = read_number(node.at(member.key()), -kMaxExpressionConstant, kMaxExpressionConstant);
+  }
+  return constants;
+}
+
+void read_expression(const JsonNode& node, Shape& shape) {
+  const auto constants = node.find("constants");
+  const JsonNode text = node.at("expression");
+  try {
+    shape.expression =
+        parse_expression(read_string(text), constants ? read_constants(*constants) : ExpressionConstants());
+  } catch (const ExpressionError& error) {
+    text.fail(error.what());
+  }
+}
+
 void read_clip(const JsonNode& node, Shape& shape) {
   check_keys(node, "clip");
   const auto box = node.find("box");
@@ -95,8 +119,13 @@ Shape read_geometry(const JsonNode& node, std::string_view type) {
     shape.upper_radius = upper ? read_radius(*upper) : 0.0;
     if (shape.radius + shape.upper_radius == 0.0) node.at("radius_from").fail("one end must have a radius above 0");
   } else {
-    shape.kind = ShapeKind::quadric;
-    read_coefficients(node.at("coefficients"), shape);
+    const bool implicit = type == "implicit";
+    shape.kind = implicit ? ShapeKind::implicit : ShapeKind::quadric;
+    if (implicit) {
+      read_expression(node, shape);
+    } else {
+      read_coefficients(node.at("coefficients"), shape);
+    }
     if (const auto center = node.find("center")) shape.to_world = glm::translate(shape.to_world, read_vector(*center));
     if (const auto clip = node.find("clip")) read_clip(*clip, shape);
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/vec.hpp"
+#include "host/scene/expression.hpp"
 
 namespace hemiray {
 
@@ -85,7 +86,7 @@ struct Sphere {
   std::uint32_t material = 0;
 };
 
-enum class ShapeKind { disk, cylinder, cone, quadric };
+enum class ShapeKind { disk, cylinder, cone, quadric, implicit };
 enum class Clip { none, box, sphere };
 
 /// A finite curved surface, or a disk, in a frame of its own (lengths there: own units), which `to_world` places.
@@ -94,6 +95,7 @@ enum class Clip { none, box, sphere };
 ///                   `upper_radius` (of a cylinder the same); closed by disks if `capped`
 ///   quadric         where the polynomial with these coefficients is 0, inside of `clip`; its front is where that is >
 ///   0
+///   implicit        where `expression` is 0, inside of `clip`, which it must have; its front is where that is > 0
 struct Shape {
   std::string name;
   ShapeKind kind = ShapeKind::disk;
@@ -103,6 +105,7 @@ struct Shape {
   double half_height = 0.5;
   bool capped = true;
   std::array<double, 10> coefficients{};  ///< of x^2, y^2, z^2, xy, yz, zx, x, y, z and 1
+  Expression expression;                  ///< of x, y and z in the frame
   Clip clip = Clip::none;
   DVec3 clip_center{0.0};
   DVec3 clip_half{1.0};  ///< half sizes of a box

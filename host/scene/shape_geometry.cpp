@@ -121,6 +121,11 @@ DVec3 circle_extent(const glm::dmat3& to_world) {
   return glm::sqrt(to_world[0] * to_world[0] + to_world[1] * to_world[1]);
 }
 
+// Half the extents of a sphere of radius 1 in the frame.
+DVec3 clip_ball_extent(const glm::dmat3& to_world) {
+  return glm::sqrt(to_world[0] * to_world[0] + to_world[1] * to_world[1] + to_world[2] * to_world[2]);
+}
+
 WorldBounds bounds_of(const Shape& s, const Placed& placed) {
   WorldBounds bounds;
   const auto add_disk = [&](double z, double radius) {
@@ -130,6 +135,12 @@ WorldBounds bounds_of(const Shape& s, const Placed& placed) {
   };
   if (s.kind == ShapeKind::disk) {
     add_disk(0.0, s.radius);
+  } else if (s.kind == ShapeKind::implicit) {
+    const DVec3 center = placed.place + placed.to_world * s.clip_center;
+    const DVec3 half = s.clip == Clip::sphere ? clip_ball_extent(placed.to_world) * s.clip_radius
+                                              : absolute(placed.to_world) * s.clip_half;
+    bounds.add(center - half);
+    bounds.add(center + half);
   } else if (s.kind != ShapeKind::quadric) {
     add_disk(-s.half_height, s.radius);
     add_disk(s.half_height, s.upper_radius);
@@ -220,7 +231,7 @@ std::string shape_fault(const Shape& s) {
   if (glm::determinant(linear) == 0.0 || !(norm(linear) * norm(glm::inverse(linear)) < kMostGrowth)) {
     return "must not be scaled along one axis more than about 300 times as much as along another";
   }
-  const bool round = s.kind != ShapeKind::quadric;
+  const bool round = s.kind != ShapeKind::quadric && s.kind != ShapeKind::implicit;
   if (round && !(s.radius >= 0.0 && s.upper_radius >= 0.0)) return "its radii must not be negative";
   if (s.kind == ShapeKind::disk && !(s.radius > 0.0)) return "its radius must be greater than 0";
   if (round && s.kind != ShapeKind::disk) {
@@ -228,7 +239,12 @@ std::string shape_fault(const Shape& s) {
     if (!(s.half_height > 0.0)) return "its ends must not coincide";
   }
   const Placed placed = place_shape(s);
-  if (!round) {
+  if (s.kind == ShapeKind::implicit) {
+    if (s.expression.tape.empty()) return "must have an expression";
+    if (s.clip == Clip::none) return "must have a clip";
+    const DVec3 half = clip_half(s);
+    if (!(std::min({half.x, half.y, half.z}) > 0.0)) return "its clip must be larger than nothing";
+  } else if (!round) {
     const std::string fault = quadric_fault(s, placed);
     if (!fault.empty()) return fault;
   }
@@ -250,6 +266,11 @@ shared::Shape flatten_shape(const Shape& s) {
   if (s.kind == ShapeKind::disk) {
     flat.kind = HR_SHAPE_DISK;
     flat.form.x = static_cast<float>(s.radius);
+  } else if (s.kind == ShapeKind::implicit) {
+    flat.kind = HR_SHAPE_IMPLICIT;
+    flat.flags = s.clip == Clip::box ? HR_SHAPE_CLIP_BOX : HR_SHAPE_CLIP_SPHERE;
+    flat.clip = to_float4(clip_half(s), s.clip_radius);
+    flat.linear = to_float4(s.clip_center, 0.0);
   } else if (s.kind == ShapeKind::quadric) {
     flat.kind = HR_SHAPE_QUADRIC;
     set_quadric(s, placed, flat);

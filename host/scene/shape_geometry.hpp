@@ -16,7 +16,7 @@ std::string shape_fault(const Shape& shape);
 /// up to a thirty-second of the clip. The shape must be without fault.
 WorldBounds shape_bounds(const Shape& shape);
 
-/// The device's shape, but for its object. The shape must be without fault.
+/// The device's shape, but for its object and the place of its tape. The shape must be without fault.
 shared::Shape flatten_shape(const Shape& shape);
 
 }  // namespace hemiray

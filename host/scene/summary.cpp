@@ -6,9 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/numbers.hpp"
+#include "host/base/spelling.hpp"
 #include "host/scene/bounds.hpp"
 #include "host/scene/emission.hpp"
 #include "host/scene/instancing.hpp"
+#include "host/scene/shape_geometry.hpp"
 
 namespace hemiray {
 namespace {
@@ -48,6 +50,12 @@ void count_shapes(const Scene& scene, SceneSummary& summary) {
       case ShapeKind::quadric:
         ++summary.quadrics;
         break;
+      case ShapeKind::implicit: {
+        const WorldBounds bounds = shape_bounds(shape);
+        summary.implicits.push_back(
+            {shape.name, shape.expression.degree, shape.expression.tape.size(), bounds.min, bounds.max});
+        break;
+      }
     }
   }
 }
@@ -119,7 +127,15 @@ std::string summary_text(const SceneSummary& s) {
                                {s.cylinders, "cylinder"},
                                {s.cones, "cone"},
                                {s.quadrics, "quadric"},
+                               {s.implicits.size(), "implicit surface"},
                                {s.planes, "plane"}}));
+  for (const ImplicitSummary& i : s.implicits) {
+    row("implicit",
+        fmt::format("{}degree {}, {} instructions, within [{:.4g}, {:.4g}, {:.4g}] to [{:.4g}, {:.4g}, "
+                    "{:.4g}] m",
+                    i.name.empty() ? "" : printable(i.name) + ": ", i.degree, i.instructions, i.bounds_min.x,
+                    i.bounds_min.y, i.bounds_min.z, i.bounds_max.x, i.bounds_max.y, i.bounds_max.z));
+  }
   row("triangles", fmt::format("{} over {} in {}", format_count(s.triangles), format_count(s.vertices) + " vertices",
                                s.meshes == 1 ? "1 mesh" : format_count(s.meshes) + " meshes"));
   if (s.instances > 0) {
@@ -145,6 +161,18 @@ std::string summary_text(const SceneSummary& s) {
   return text;
 }
 
+static nlohmann::ordered_json implicits_json(const SceneSummary& s) {
+  auto all = nlohmann::ordered_json::array();
+  for (const ImplicitSummary& i : s.implicits) {
+    all.push_back({{"name", i.name},
+                   {"degree", i.degree},
+                   {"instructions", i.instructions},
+                   {"bounds_min", {i.bounds_min.x, i.bounds_min.y, i.bounds_min.z}},
+                   {"bounds_max", {i.bounds_max.x, i.bounds_max.y, i.bounds_max.z}}});
+  }
+  return all;
+}
+
 std::string summary_json(const SceneSummary& s) {
   const nlohmann::ordered_json json = {{"source", s.source},
                                        {"title", s.title},
@@ -161,6 +189,7 @@ std::string summary_json(const SceneSummary& s) {
                                        {"cylinders", s.cylinders},
                                        {"cones", s.cones},
                                        {"quadrics", s.quadrics},
+                                       {"implicits", implicits_json(s)},
                                        {"planes", s.planes},
                                        {"point_lights", s.point_lights},
                                        {"directional_lights", s.directional_lights},

@@ -9,6 +9,14 @@
 
 namespace hemiray {
 
+struct ImplicitSummary {
+  std::string name;
+  std::uint32_t degree = 0;        ///< in x, y and z together
+  std::uint64_t instructions = 0;  ///< of its tape
+  DVec3 bounds_min{0.0};           ///< of its clip [m]
+  DVec3 bounds_max{0.0};
+};
+
 struct SceneSummary {
   std::string source;
   std::string title;
@@ -23,6 +31,7 @@ struct SceneSummary {
   std::uint64_t cylinders = 0;
   std::uint64_t cones = 0;
   std::uint64_t quadrics = 0;
+  std::vector<ImplicitSummary> implicits;
   std::uint64_t planes = 0;
   std::uint64_t point_lights = 0;
   std::uint64_t directional_lights = 0;

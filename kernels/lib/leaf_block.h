@@ -8,6 +8,10 @@
 #include "lib/scene_view.h"
 #include "lib/shape.h"
 
+#if HR_HAS(IMPLICITS)  // much text, which costs compilers time
+#include "lib/implicit.h"
+#endif
+
 // Blocks may hold what is not a triangle, and is tested lane by lane.
 #define HR_HAS_ONE_BY_ONE (HR_HAS(SPHERES) || HR_HAS(SHAPES))
 
@@ -24,10 +28,13 @@ typedef struct BlockNumbers {
   uint triangles;  // those below are triangles
   uint shapes;     // those from here on are shapes, what is between them spheres
   global const Shape* shape_array;
+  global const uint4* tapes;
+  global uint* uncertain_roots;
 } BlockNumbers;
 
 static inline BlockNumbers world_numbers(const SceneView* view) {
-  const BlockNumbers numbers = {0, view->triangle_count, first_shape(view), view->shapes};
+  const BlockNumbers numbers = {0,           view->triangle_count, first_shape(view), view->shapes,
+                                view->tapes, view->uncertain_roots};
   return numbers;
 }
 
@@ -56,7 +63,16 @@ static inline bool intersect_lane(BlockNumbers numbers, global const float* bloc
   candidate->u = 0;
   candidate->v = 0;
   if (HR_HAS(SHAPES) && number >= numbers.shapes && number >= numbers.triangles) {
-    return intersect_shape(ray, numbers.shape_array + (number - numbers.shapes), &candidate->t, &candidate->u);
+    global const Shape* shape = numbers.shape_array + (number - numbers.shapes);
+#if HR_HAS(IMPLICITS)
+    if (shape->kind == HR_SHAPE_IMPLICIT) {
+      uint uncertain = 0;
+      const bool hit = intersect_implicit(numbers.tapes, shape, ray, ray->t_max, &candidate->t, &uncertain);
+      if (HR_UNLIKELY(uncertain != 0)) atomic_add(numbers.uncertain_roots, uncertain);
+      return hit;
+    }
+#endif
+    return intersect_shape(ray, shape, &candidate->t, &candidate->u);
   }
   const real3 a = block_point(block, 0, lane);
   if (HR_HAS(SPHERES) && number >= numbers.triangles) {

@@ -17,6 +17,7 @@
 typedef struct SceneView {
   HR_SCENE_BUFFERS(HR_VIEW_MEMBER)
   HR_MORE_CHUNKS(HR_CHUNK_MEMBER)
+  global uint* uncertain_roots;  // how often a ray may have met an implicit surface where it is said not to
   uint triangle_count, sphere_count, shape_count, plane_count, light_count, emitter_count, instance_count;
 #ifdef HR_COUNT_VISITS
   uint* visits;  // of nodes and of blocks, by this work-item
@@ -46,22 +47,25 @@ HR_DEFINE_NODE_AT(node_at, SceneView, global const float*)
 HR_DEFINE_BLOCK_AT(block_at, SceneView, global const float*)
 
 // In a kernel's parameter list; each ends with a comma.
-#define HR_SCENE_PARAMETERS HR_SCENE_BUFFERS(HR_VIEW_PARAMETER) HR_MORE_CHUNKS(HR_CHUNK_READ)
+#define HR_SCENE_PARAMETERS           \
+  HR_SCENE_BUFFERS(HR_VIEW_PARAMETER) \
+  HR_MORE_CHUNKS(HR_CHUNK_READ) HR_IF_IMPLICITS(global uint* restrict uncertain_roots HR_COMMA)
 // For a kernel that reads the tree alone.
 #define HR_TREE_PARAMETERS \
   global const float* restrict accel_nodes, global const float* restrict accel_blocks, HR_MORE_CHUNKS(HR_CHUNK_READ)
 
 // In a kernel's body: declares `view`.
-#define HR_MAKE_SCENE_VIEW(params)               \
-  SceneView view = {0};                          \
-  HR_SCENE_BUFFERS(HR_VIEW_ASSIGN)               \
-  HR_MORE_CHUNKS(HR_VIEW_CHUNK)                  \
-  view.triangle_count = (params).triangle_count; \
-  view.sphere_count = (params).sphere_count;     \
-  view.shape_count = (params).shape_count;       \
-  view.plane_count = (params).plane_count;       \
-  view.light_count = (params).light_count;       \
-  view.emitter_count = (params).emitter_count;   \
+#define HR_MAKE_SCENE_VIEW(params)                         \
+  SceneView view = {0};                                    \
+  HR_SCENE_BUFFERS(HR_VIEW_ASSIGN)                         \
+  HR_MORE_CHUNKS(HR_VIEW_CHUNK)                            \
+  HR_IF_IMPLICITS(view.uncertain_roots = uncertain_roots;) \
+  view.triangle_count = (params).triangle_count;           \
+  view.sphere_count = (params).sphere_count;               \
+  view.shape_count = (params).shape_count;                 \
+  view.plane_count = (params).plane_count;                 \
+  view.light_count = (params).light_count;                 \
+  view.emitter_count = (params).emitter_count;             \
   view.instance_count = (params).instance_count;
 #define HR_MAKE_TREE_VIEW           \
   SceneView view = {0};             \

@@ -10,6 +10,10 @@
 #include "lib/texture.h"
 #include "lib/vec.h"
 
+#if HR_HAS(IMPLICITS)
+#include "lib/implicit.h"
+#endif
+
 // A perfectly smooth highlight (roughness 0) would have an infinite exponent.
 #define HR_MIN_ROUGHNESS REAL(0.01)
 #define HR_MAX_SHININESS REAL(1e6)
@@ -210,7 +214,14 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
     s.object = sphere.object;
   } else if (HR_HAS(SHAPES) && hit->primitive < first_plane(view)) {
     global const Shape* shape = view->shapes + (hit->primitive - first_shape(view));
-    shape_surface(shape, origin, direction, hit, &s.position, &s.error, &outward);
+#if HR_HAS(IMPLICITS)
+    if (shape->kind == HR_SHAPE_IMPLICIT) {
+      implicit_surface(view->tapes, shape, origin, direction, hit->t, &s.position, &s.error, &outward);
+    } else
+#endif
+    {
+      shape_surface(shape, origin, direction, hit, &s.position, &s.error, &outward);
+    }
     interpolated = outward;
     material = shape->material;
     s.object = shape->object;

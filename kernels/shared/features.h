@@ -31,12 +31,13 @@
 #define HR_FEATURE_PHONG_SHADING (1u << 23)
 #define HR_FEATURE_INSTANCES (1u << 24) /* meshes that copies share, each with a tree of its own */
 #define HR_FEATURE_SHAPES (1u << 25)    /* disks, cylinders, cones, quadrics */
-#define HR_FEATURE_COUNT 26
+#define HR_FEATURE_IMPLICITS (1u << 26) /* shapes that are implicit polynomial surfaces */
+#define HR_FEATURE_COUNT 27
 
 #ifndef __cplusplus
 
 #ifndef HR_FEATURES
-#define HR_FEATURES 0x3ffffffu
+#define HR_FEATURES 0x7ffffffu
 #endif
 
 #define HR_HAS(feature) ((HR_FEATURES & HR_FEATURE_##feature) != 0)
@@ -117,6 +118,11 @@
 #define HR_IF_SHAPES(x) x
 #else
 #define HR_IF_SHAPES(x)
+#endif
+#if HR_HAS(IMPLICITS)
+#define HR_IF_IMPLICITS(x) x
+#else
+#define HR_IF_IMPLICITS(x)
 #endif
 
 #endif

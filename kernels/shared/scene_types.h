@@ -62,6 +62,7 @@ typedef struct Plane {
 #define HR_SHAPE_DISK 0u
 #define HR_SHAPE_CONE 1u /* truncated, between two disks; a cylinder where slope = 0 */
 #define HR_SHAPE_QUADRIC 2u
+#define HR_SHAPE_IMPLICIT 3u
 
 #define HR_SHAPE_CAPPED 1u
 #define HR_SHAPE_CLIP_BOX 2u
@@ -76,6 +77,8 @@ typedef struct Plane {
 // so that its numbers are as large as the surface and no larger.
 //   disk     z = 0, x^2 + y^2 <= radius^2; front where z > 0.      form = (radius, 0, 0, 0) [own units]
 //   cone     x^2 + y^2 = r(z)^2, r = mean + slope z, |z| <= half;   form = (mean radius, slope, half height, 0)
+//   implicit f(p) = 0, f a tape (shared/polynomial_types.h); front where it is positive.
+//                                                                form = bits of (first instruction, their number)
 //   quadric  p^T A p + 2 b p + c = 0; front where it is positive.   form = (Axx, Ayy, Azz, c), mixed = (Axy, Ayz, Azx)
 typedef struct Shape {
   float4 to_own_x;  // row of L; w = place [m]
@@ -83,8 +86,8 @@ typedef struct Shape {
   float4 to_own_z;
   float4 form;
   float4 mixed;
-  float4 linear;  // b
-  float4 clip;    // quadric: half sizes of a box or w = radius of a sphere around the origin [own units]
+  float4 linear;  // b; implicit: middle of the clip [own units]
+  float4 clip;    // quadric: half sizes of a box or w = radius of a sphere around the origin, or `linear` [own units]
   float4 lo;      // bounds [m]; w = radius of a sphere around `place` that holds them [m]
   float4 hi;
   uint kind;

@@ -59,6 +59,16 @@ TEST_CASE("files that include each other end") {
   CHECK(occurrences(text, "int b;") == 1);
 }
 
+TEST_CASE("a .def file is expanded each time it is included, but not within itself") {
+  const test::KernelFolder folder;
+  folder.write("a.h", "#include \"t.def\"\n#include \"t.def\"\n");
+  folder.write("t.def", "int T;\n#include \"t.def\"\n#include \"u.def\"\n");
+  folder.write("u.def", "int U;\n");
+  const std::string text = flatten_kernels({"a.h"});
+  CHECK(occurrences(text, "int T;") == 2);
+  CHECK(occurrences(text, "int U;") == 2);
+}
+
 TEST_CASE("a missing kernel source is named") {
   CHECK_THROWS_AS(kernel_source("lib/nowhere.h"), InputError);
   CHECK_THROWS_WITH(kernel_source("lib/nowhere.h"), Catch::Contains("kernels/lib/nowhere.h"));

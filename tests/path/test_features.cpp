@@ -64,6 +64,8 @@ std::uint32_t with_implied(std::uint32_t bit) {
     case HR_FEATURE_VERTEX_COLORS:
     case HR_FEATURE_TEXTURES:
       return bit | HR_FEATURE_TRIANGLES;
+    case HR_FEATURE_IMPLICITS:
+      return bit | HR_FEATURE_SHAPES;
     case HR_FEATURE_NORMAL_MAPS:
       return bit | HR_FEATURE_TEXTURES | HR_FEATURE_TRIANGLES;
     case HR_FEATURE_METALLIC_ROUGHNESS:

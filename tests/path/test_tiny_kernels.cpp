@@ -399,4 +399,32 @@ TEST_CASE("tiny: packets and sorted rays render what single rays do") {
   }
 }
 
+TEST_CASE("tiny: implicit surfaces are rendered") {
+  Scene scene = small_room();
+  scene.spheres.clear();
+  for (const bool ball : {false, true}) {
+    Shape& shape = scene.shapes.emplace_back();
+    shape.kind = ShapeKind::implicit;
+    shape.to_world[3] = glm::dvec4(ball ? 0.6 : -0.5, 0.5, 0.0, 1.0);
+    shape.material = ball ? 1 : 0;
+    shape.expression = ball ? parse_expression("(x^2 + y^2 + z^2 - r^2)*(4 + x)", {{"r", 0.4}})
+                            : parse_expression("(x^2+y^2+z^2+R^2-r^2)^2 - 4*R^2*(x^2+y^2)", {{"R", 0.3}, {"r", 0.12}});
+    shape.clip = ball ? Clip::sphere : Clip::box;
+    shape.clip_radius = 0.5;
+    shape.clip_half = {0.5, 0.5, 0.2};
+  }
+  ReferenceOptions options;
+  options.width = options.height = 4;
+  options.depth = 2;
+  const Image megakernel = render_on_device(scene, options, EngineKind::megakernel, true);
+  const Image wavefront = render_on_device(scene, options, EngineKind::wavefront, true, 0);
+  double sum = 0.0;
+  for (int i = 0; i < 16; i++) {
+    const double value = reference::value_at(wavefront, "direct", i % 4, i / 4);
+    CHECK(value == reference::value_at(megakernel, "direct", i % 4, i / 4));
+    sum += value;
+  }
+  CHECK(sum > 0.0);
+}
+
 }  // namespace hemiray

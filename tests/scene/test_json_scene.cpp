@@ -1,4 +1,5 @@
 // The JSON scene format: what each key means, its defaults, and that scene.schema.json knows the same keys.
+#include <bit>
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -6,9 +7,12 @@
 
 #include "host/base/error.hpp"
 #include "host/base/spelling.hpp"
+#include "host/scene/features.hpp"
+#include "host/scene/flat_scene.hpp"
 #include "host/scene/json_keys.hpp"
 #include "host/scene/json_scene.hpp"
 #include "host/scene/load.hpp"
+#include "host/scene/summary.hpp"
 #include "tests/support/temp_folder.hpp"
 
 using namespace hemiray;
@@ -243,6 +247,35 @@ TEST_CASE("json scene: lights of all kinds") {
   CHECK(scene.lights[4].samples_v == 2);
   CHECK(scene.lights[4].jitter);
   CHECK(scene.lights[4].visible);
+}
+
+TEST_CASE("json scene: implicit surfaces have their expression, constants, clip and place") {
+  const Scene scene = parse(R"("objects": [
+      {"type": "implicit", "name": "ball", "expression": "x^2 + y^2 + z^2 - r^2", "constants": {"r": 0.5},
+       "clip": {"box": {"min": [-1, -1, -2], "max": [1, 1, 0]}}, "center": [1, 2, 3], "transform": {"scale": 2}},
+      {"type": "implicit", "expression": "x*y*z - 1/8", "clip": {"sphere": {"radius": 2}}}])");
+  REQUIRE(scene.shapes.size() == 2);
+  const Shape& ball = scene.shapes[0];
+  CHECK(ball.kind == ShapeKind::implicit);
+  CHECK(ball.expression.degree == 2);
+  CHECK(evaluate(ball.expression, {0.3, 0.4, 0}) == Approx(0).margin(1e-14));
+  CHECK(ball.clip == Clip::box);
+  CHECK(ball.clip_center == DVec3(0, 0, -1));
+  CHECK(DVec3(ball.to_world * glm::dvec4(0.5, 0, 0, 1)) == DVec3(3, 4, 6));
+  CHECK(scene.shapes[1].expression.degree == 3);
+  CHECK(scene.shapes[1].clip == Clip::sphere);
+  const FlatScene flat = flatten_scene(scene);
+  REQUIRE(flat.shapes.size() == 2);
+  CHECK(flat.tapes.size() == ball.expression.tape.size() + scene.shapes[1].expression.tape.size());
+  CHECK(std::bit_cast<std::uint32_t>(flat.shapes[1].form.x) == ball.expression.tape.size());
+  CHECK((features_of(scene, flat, 1) & HR_FEATURE_IMPLICITS) != 0);
+  // The clip's box in the world, plus what kernels may err by.
+  CHECK(flat.shapes[0].lo.z == Approx(2).epsilon(1e-4));
+  CHECK(flat.shapes[0].hi.z == Approx(6).epsilon(1e-4));
+  const SceneSummary summary = summarize(scene);
+  REQUIRE(summary.implicits.size() == 2);
+  CHECK(summary.implicits[1].degree == 3);
+  CHECK(summary_text(summary).find("ball: degree 2, ") != std::string::npos);
 }
 
 TEST_CASE("json scene: disks, cylinders and cones stand where their keys say") {

@@ -1,0 +1,214 @@
+// Ray against an implicit polynomial surface: its smallest root with a certificate, or a count of what cannot be told.
+#ifndef HR_LIB_IMPLICIT_H
+#define HR_LIB_IMPLICIT_H
+
+#include "lib/intersect.h"
+#include "lib/polynomial.h"
+#include "lib/shape.h"
+
+// How much farther than the clip's own distances roots are sought: relative, more than these distances' rounding.
+#define HR_CLIP_PAD REAL(4e-6)
+
+// The part of the ray within the clip, a little widened.
+static inline bool implicit_interval(global const Shape* s, const Ray* ray, real t_limit, real* t0, real* t1) {
+  const real3 from = ray->origin - shape_place(s), middle_of_clip = param3(s->linear);
+  const real3 o = vector_to_own(s, from), d = vector_to_own(s, ray->direction);
+  real near, far;
+  if (s->flags & HR_SHAPE_CLIP_SPHERE) {
+    const real3 oc = o - middle_of_clip;
+    const real length2 = dot3(d, d), middle = -divide(dot3(oc, d), length2);
+    const real3 closest = oc + d * middle;
+    const real radius = s->clip.w * (1 + HR_CLIP_PAD) + HR_GAMMA(24) * (fabs(oc.x) + fabs(oc.y) + fabs(oc.z));
+    const real rest = divide(radius * radius - dot3(closest, closest), length2);
+    if (!(rest >= 0)) return false;
+    near = middle - square_root(rest);
+    far = middle + square_root(rest);
+  } else {
+    const real3 inverse = (real3)(safe_reciprocal(d.x), safe_reciprocal(d.y), safe_reciprocal(d.z));
+    const real3 a = (middle_of_clip - param3(s->clip) - o) * inverse;
+    const real3 b = (middle_of_clip + param3(s->clip) - o) * inverse;
+    const real3 lo = min(a, b), hi = max(a, b);
+    near = max(max(lo.x, lo.y), lo.z);
+    far = min(min(hi.x, hi.y), hi.z);
+  }
+  const real pad = HR_CLIP_PAD * (fabs(near) + fabs(far));
+  *t0 = max(near - pad, ray->t_min);
+  *t1 = min(far + pad, t_limit);
+  return *t0 < *t1;
+}
+
+typedef struct ImplicitSearch {
+  global const uint4* tapes;
+  global const Shape* surface;
+  real3 origin, direction;
+  float m, h;  // t = m + h s
+  real t_min, t_limit;
+  uint uncertain;  // regions in front of the hit, or of nothing, in which there may be a root
+} ImplicitSearch;
+
+// [t_lo, t_hi] could not be told as part of a longer interval. Its own series has smaller coefficients, so less error.
+// Sets *t to the smallest root and returns HR_FIND_ROOT or HR_FIND_CLUSTER, or HR_FIND_NONE, counting what is open.
+static inline uint implicit_look_closer(ImplicitSearch* search, HR_WIDE_ERR t_lo, HR_WIDE_ERR t_hi, HR_WIDE_NUM* t) {
+#pragma OPENCL FP_CONTRACT OFF
+  const HR_WIDE_ERR reach = t_hi - t_lo;
+  const float lo = (float)max(t_lo - reach, (HR_WIDE_ERR)search->m - search->h);
+  const float hi = (float)min(t_hi + reach, (HR_WIDE_ERR)search->m + search->h);
+  // Rounded to float, outwards: that is all that is needed of a place to expand about.
+  const float m = 0.5f * (lo + hi);
+  const float h = max(nextafter(hi, (float)INFINITY) - m, m - nextafter(lo, -(float)INFINITY));
+  HR_WIDE(Poly) p;
+  HR_WIDE(poly_along)
+  (search->tapes, search->surface, search->origin, search->direction, HR_WIDE_OF(m), HR_WIDE_OF(h), HR_MAX_DEGREE, &p);
+  const HR_WIDE_ERR bound = HR_WIDE(poly_bound)(&p);
+  ulong at = 0;
+  int sign = 0;
+  for (;;) {
+    HR_WIDE(Find) find = HR_WIDE(poly_search)(&p, bound, at, sign, false);
+    if (find.kind == HR_FIND_NONE) return HR_FIND_NONE;
+    if (find.kind == HR_FIND_OPEN) {
+      search->uncertain++;
+      if (find.next >= HR_PLACE_END) return HR_FIND_NONE;
+    } else {
+      const HR_WIDE_NUM s =
+          find.kind == HR_FIND_ROOT
+              ? HR_WIDE(poly_refine)(&p, bound, find.sign_lo, &find.lo, &find.hi)
+              : HR_WIDE_LINEAR(find.lo, HR_WIDE_OF(0.5f), HR_WIDE_LINEAR(find.hi, HR_WIDE_OF(0.5f), HR_WIDE_OF(0)));
+      *t = HR_WIDE_LINEAR(s, HR_WIDE_OF(h), HR_WIDE_OF(m));
+      return find.kind;
+    }
+    at = find.next;
+    sign = find.sign_next;
+  }
+}
+
+// From place `at` on, in the wide arithmetic.
+static inline bool implicit_wide(ImplicitSearch* search, ulong at, int sign, real* t) {
+#pragma OPENCL FP_CONTRACT OFF
+  const HR_WIDE_NUM m = HR_WIDE_OF(search->m), h = HR_WIDE_OF(search->h);
+  HR_WIDE(Poly) p;
+  HR_WIDE(poly_along)
+  (search->tapes, search->surface, search->origin, search->direction, m, h, HR_MAX_DEGREE, &p);
+  const HR_WIDE_ERR bound = HR_WIDE(poly_bound)(&p);
+  while (at < HR_PLACE_END) {
+    HR_WIDE(Find) find = HR_WIDE(poly_search)(&p, bound, at, sign, false);
+    if (find.kind == HR_FIND_NONE) return false;
+    at = find.next;
+    sign = find.sign_next;
+    HR_WIDE_NUM root;
+    if (find.kind == HR_FIND_ROOT) {
+      root = HR_WIDE_LINEAR(HR_WIDE(poly_refine)(&p, bound, find.sign_lo, &find.lo, &find.hi), h, m);
+    } else {
+      const HR_WIDE_NUM t_lo = HR_WIDE_LINEAR(find.lo, h, m), t_hi = HR_WIDE_LINEAR(find.hi, h, m);
+      if (implicit_look_closer(search, HR_WIDE_HIGH(t_lo), HR_WIDE_HIGH(t_hi), &root) == HR_FIND_NONE) {
+        if (find.kind == HR_FIND_OPEN) continue;
+        root = HR_WIDE_LINEAR(t_lo, HR_WIDE_OF(0.5f), HR_WIDE_LINEAR(t_hi, HR_WIDE_OF(0.5f), HR_WIDE_OF(0)));
+      }
+    }
+    *t = HR_WIDE_REAL(root);
+    if (*t >= search->t_limit) return false;
+    if (*t > search->t_min) return true;
+  }
+  return false;
+}
+
+// A root that float has isolated in [t_lo, t_hi] to the precision of `real`: Newton's steps with value and slope in the
+// wide arithmetic. False if they do not settle within the bracket.
+static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, float t_hi, real* t) {
+#pragma OPENCL FP_CONTRACT OFF
+  HR_WIDE_NUM at = HR_WIDE_OF(0.5f * (t_lo + t_hi));
+  const float size = fabs(t_lo) + fabs(t_hi);
+  for (int i = 0; i < 5; i++) {
+    HR_WIDE(Poly) p;
+    HR_WIDE(poly_along)
+    (search->tapes, search->surface, search->origin, search->direction, at, HR_WIDE_OF(1), 1, &p);
+    if (p.degree == 0) return false;
+    const HR_WIDE_NUM move = HR_WIDE_QUOTIENT(p.c[0], p.c[1]);
+    at = HR_WIDE_LINEAR(move, HR_WIDE_OF(-1), at);
+    const real here = HR_WIDE_REAL(at);
+    if (!(here >= t_lo - HR_UNIT_F * size && here <= t_hi + HR_UNIT_F * size)) return false;
+    *t = here;
+    if (fabs((real)HR_WIDE_HIGH(move)) <= REAL(0.0625) * HR_HALF_ULP * size) return true;
+  }
+  return false;
+}
+
+// The smallest t in (t_min, t_limit) at which the ray meets the surface within its clip. *uncertain is raised by the
+// number of regions in front of it that could be neither excluded nor found to hold a root.
+static inline bool intersect_implicit(global const uint4* tapes, global const Shape* surface, const Ray* ray,
+                                      real t_limit, real* t, uint* uncertain) {
+#pragma OPENCL FP_CONTRACT OFF
+  real t0, t1;
+  if (!implicit_interval(surface, ray, t_limit, &t0, &t1)) return false;
+  ImplicitSearch search;
+  search.tapes = tapes;
+  search.surface = surface;
+  search.origin = ray->origin;
+  search.direction = ray->direction;
+  search.m = 0.5f * (float)(t0 + t1);
+  search.h = max(nextafter((float)t1, (float)INFINITY) - search.m, search.m - nextafter((float)t0, -(float)INFINITY));
+  search.t_min = ray->t_min;
+  search.t_limit = t_limit;
+  search.uncertain = 0;
+  if (!(search.h < INFINITY)) return false;
+  Poly_f p;
+  poly_along_f(tapes, surface, ray->origin, ray->direction, search.m, search.h, HR_MAX_DEGREE, &p);
+  const float bound = poly_bound_f(&p);
+  Find_f find = poly_search_f(&p, bound, 0, 0, true);
+  if (find.kind == HR_FIND_NONE) return false;
+  ulong at = find.next;
+  int sign = find.sign_next;
+  if (find.kind == HR_FIND_ROOT) {
+    poly_refine_f(&p, bound, find.sign_lo, &find.lo, &find.hi);
+    const float t_lo = fma(search.h, find.lo, search.m), t_hi = fma(search.h, find.hi, search.m);
+    if (implicit_polish(&search, t_lo, t_hi, t)) {
+      if (*t >= t_limit) return false;
+      if (*t > ray->t_min) return true;
+    } else {  // from the beginning: `at` is behind the root
+      at = 0;
+      sign = 0;
+    }
+  }
+  const bool hit = implicit_wide(&search, at, sign, t);
+  *uncertain += search.uncertain;
+  return hit;
+}
+
+// The point at t, moved onto the surface by one Newton step along the gradient; `error` bounds what is left per axis,
+// the step itself included. `normal` is the unit gradient, or against the ray where the gradient is not certain.
+static inline void implicit_surface(global const uint4* tapes, global const Shape* surface, real3 origin,
+                                    real3 direction, real t, real3* position, real3* error, real3* normal) {
+#pragma OPENCL FP_CONTRACT OFF
+  const real3 p = origin + direction * t;
+  real value = 0, value_error = 0, gradient[3];
+  HR_WIDE(Poly) axis[3], f;
+  HR_WIDE(poly_line)(surface, origin, direction, HR_WIDE_OF(t), HR_WIDE_OF(0), axis);
+  for (int k = 0; k < 3; k++) {
+    for (int j = 0; j < 3; j++) axis[j].c[1] = HR_WIDE_OF(j == k ? 1 : 0);
+    HR_WIDE(poly_evaluate)(tapes + as_uint(surface->form.x), as_uint(surface->form.y), axis, 1, &f);
+    value = HR_WIDE_REAL(f.c[0]);
+    gradient[k] = f.degree > 0 ? HR_WIDE_REAL(f.c[1]) : 0;
+    value_error = max(value_error, (real)f.error);
+  }
+  // First to a size that can be squared.
+  const real largest = max(max(fabs(gradient[0]), fabs(gradient[1])), fabs(gradient[2]));
+  const bool good = largest > 4 * value_error && largest < INFINITY;
+  const real scale = good ? divide(1, largest) : 0;
+  const real3 own = (real3)(gradient[0], gradient[1], gradient[2]) * scale;
+  const real3 g =
+      param3(surface->to_own_x) * own.x + param3(surface->to_own_y) * own.y + param3(surface->to_own_z) * own.z;
+  const real length2 = dot3(g, g);
+  if (!good || !(length2 > 0)) {
+    *normal = -normalize3(direction);
+    *position = p;
+    *error = (fabs(origin) + fabs(direction * t)) * HR_GAMMA(3);
+    return;
+  }
+  const real steepness = square_root(length2);
+  *normal = g * divide(1, steepness);
+  const real3 away = g * divide(value * scale, length2);
+  const real left = divide(value_error * scale, steepness);
+  *position = p - away;
+  *error = (fabs(origin) + fabs(direction * t)) * HR_GAMMA(3) + fabs(away) + fabs(*normal) * left;
+}
+
+#endif

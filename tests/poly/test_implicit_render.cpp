@@ -1,0 +1,85 @@
+// Implicit surfaces in pictures: they look like the same surfaces by other means, and what is open is reported.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "host/path/render.hpp"
+#include "host/scene/expression.hpp"
+#include "host/scene/features.hpp"
+#include "tests/reference/scene_builder.hpp"
+
+namespace hemiray {
+namespace {
+
+constexpr int kSize = 48;
+
+Shape& add_implicit(Scene& scene, const std::string& text, std::uint32_t material) {
+  Shape& shape = scene.shapes.emplace_back();
+  shape.kind = ShapeKind::implicit;
+  shape.expression = parse_expression(text, {{"r", 0.8}});
+  shape.material = material;
+  shape.clip = Clip::sphere;
+  shape.clip_radius = 1.2;
+  return shape;
+}
+
+Scene room() {
+  Scene scene = reference::empty_scene({0, 1.5, 5}, {0, 0.2, 0}, 40.0);
+  reference::add_plane(scene, {0, -0.9, 0}, {0, 1, 0}, reference::add_material(scene, reference::diffuse(Vec3(0.6F))));
+  reference::add_point_light(scene, {2, 5, 4}, Vec3(30.0F));
+  scene.background = Vec3(0.3F);
+  return scene;
+}
+
+RenderResult render(const Scene& scene, EngineKind engine = EngineKind::wavefront) {
+  RenderOptions options;
+  options.width = options.height = kSize;
+  options.spp = 1;
+  options.depth = 4;
+  options.engine = engine;
+  options.strict = true;
+  Context context(choose_device(""));
+  return render_scene(context, scene, options);
+}
+
+}  // namespace
+
+TEST_CASE("implicit surfaces: a ball is the ball that a sphere is, diffuse and of glass") {
+  for (const bool clear : {false, true}) {
+    Scene implicit = room(), sphere = room();
+    const Material material = clear ? reference::glass(1.5F) : reference::diffuse(Vec3(0.7F));
+    add_implicit(implicit, "x^2 + y^2 + z^2 - r^2", reference::add_material(implicit, material));
+    reference::add_sphere(sphere, {0, 0, 0}, 0.8, reference::add_material(sphere, material));
+    const RenderResult wavefront = render(implicit), megakernel = render(implicit, EngineKind::megakernel);
+    const RenderResult expected = render(sphere);
+    CHECK(wavefront.statistics.uncertain_roots == 0);
+    int different = 0;
+    for (int y = 0; y < kSize; y++) {
+      for (int x = 0; x < kSize; x++) {
+        double ours = 0.0, other = 0.0, theirs = 0.0;
+        for (const char* layer : {"direct", "reflection", "refraction"}) {
+          if (!clear && layer != std::string("direct")) continue;
+          ours += reference::value_at(wavefront.image, layer, x, y);
+          other += reference::value_at(megakernel.image, layer, x, y);
+          theirs += reference::value_at(expected.image, layer, x, y);
+        }
+        CHECK(ours == other);
+        if (std::abs(ours - theirs) > 1e-3 * (1.0 + std::abs(theirs))) different++;
+      }
+    }
+    INFO((clear ? "glass: " : "diffuse: ") << different << " pixels differ");
+    CHECK(different <= 4);  // at silhouettes, where one root more or less decides
+  }
+}
+
+TEST_CASE("implicit surfaces: roots that stay open are counted where the user sees it") {
+  Scene scene = room();
+  add_implicit(scene, "(x^2 + y^2 + z^2 - r^2)^2", reference::add_material(scene, reference::diffuse(Vec3(0.7F))));
+  const RenderResult result = render(scene);
+  CHECK(result.statistics.uncertain_roots > 100);  // every ray at it touches it twice
+  CHECK(has_feature(result.statistics.features, HR_FEATURE_IMPLICITS));
+}
+
+}  // namespace hemiray
