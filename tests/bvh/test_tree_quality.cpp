@@ -136,10 +136,10 @@ double sah_cost(test::TreeWorkshop& workshop, const FlatScene& flat) {
 
 TEST_CASE("the cut into wide nodes is the cheapest there is") {
   Context context{choose_device("")};
-  struct Shape {
+  struct Layout {
     unsigned width, lanes, max_leaf;
   };
-  for (const Shape shape : {Shape{8, 8, 8}, Shape{8, 8, 20}, Shape{8, 2, 12}, Shape{4, 2, 5}, Shape{2, 1, 3}}) {
+  for (const Layout shape : {Layout{8, 8, 8}, Layout{8, 8, 20}, Layout{8, 2, 12}, Layout{4, 2, 5}, Layout{2, 1, 3}}) {
     AccelConfig config;
     config.width = shape.width;
     config.leaf_lanes = shape.lanes;
