@@ -6,7 +6,7 @@
 #include "lib/primitive.h"
 
 static inline void write_lane(global float* block, uint lane, Primitive p, uint primitive) {
-  if (p.kind == HR_PRIMITIVE_TRIANGLE && !HR_TRIANGLE_WATERTIGHT) {
+  if (!HR_TRIANGLE_WATERTIGHT && p.kind == HR_PRIMITIVE_TRIANGLE) {
     const float4 e1 = p.a - p.b, e2 = p.c - p.a;
     p.b = e1;
     p.c = e2;
