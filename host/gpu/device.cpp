@@ -68,6 +68,10 @@ bool matches(const DeviceInfo& device, const std::string& selector) {
   return false;
 }
 
+// Intel's runtime for CPUs reads this when it is loaded. Its vectoriser (2026.2, AVX-512) answers implicit surfaces of
+// degree 16 otherwise from run to run; program.cpp tells of lost paths. What the user has set stays.
+void switch_off_vectorizer() { ::setenv("CL_CONFIG_CPU_VECTORIZER_MODE", "1", 0); }
+
 }  // namespace
 
 std::string to_string(DeviceKind kind) {
@@ -85,6 +89,7 @@ std::string names_of(const std::vector<DeviceInfo>& devices) {
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> devices;
   std::vector<cl::Platform> platforms;
+  switch_off_vectorizer();
   try {
     cl::Platform::get(&platforms);
   } catch (const cl::Error&) {

@@ -35,10 +35,11 @@ std::string compile_options(const DeviceInfo& device, const DeviceProfile& profi
 
 // Intel's runtime for CPUs puts several work-items into the lanes of one vector unless a kernel says that it has
 // vectors of its own. With 2026.2 paths got lost in loops that lanes leave at different times, the wavefront took twice
-// as long, and compiling four times as long.
+// as long, and compiling four times as long. The hint is for programs whose platform was loaded before
+// switch_off_vectorizer() (device.cpp); it does not reach all of the compiler.
 std::string source_prelude(const DeviceInfo& device) {
   const bool is_intel_cpu = device.kind == DeviceKind::cpu && device.platform.rfind("Intel(R) OpenCL", 0) == 0;
-  return is_intel_cpu ? "#define kernel __kernel __attribute__((vec_type_hint(float4)))\n" : "";
+  return is_intel_cpu ? "// vectorizer off\n#define kernel __kernel __attribute__((vec_type_hint(float4)))\n" : "";
 }
 
 std::string trimmed_name(std::string name) {

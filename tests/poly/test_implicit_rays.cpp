@@ -439,7 +439,7 @@ TEST_CASE("implicit surfaces: the bound of the coefficients' error holds, and is
         }
         INFO(form.name << (wide ? ", wide " : ", float ") << defines << ": largest error " << worst << " of its bound");
         CHECK(worst <= 1.0);
-        if (!wide) CHECK(worst > 0.05);
+        if (!wide) CHECK(worst > 0.02);
       }
     }
   }
