@@ -22,6 +22,9 @@ picture glass_and_mirror.json 400x300 0
 picture light_arrays.json 450x300 0
 picture gltf_sample.gltf 450x300 0.5
 picture obj_scene.json 480x300 0
+picture analytic_shapes.json 450x300 0
+picture implicit_surfaces.json 450x300 0
+picture implicit_barth.json 450x300 0
 
 # A layer as a picture: its difference from the same layer of an empty scene, which is 0 everywhere.
 cat >"$work/empty.json" <<'JSON'
