@@ -17,8 +17,8 @@
 #include "host/base/error.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/progress.hpp"
-#include "host/bench/processor.hpp"
 #include "host/base/spelling.hpp"
+#include "host/bench/processor.hpp"
 #include "host/stability/report.hpp"
 
 namespace hemiray::app {

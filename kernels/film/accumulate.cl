@@ -10,7 +10,8 @@
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void film_accumulate(
     global const float4* restrict path_sum_direct,
     HR_IF_REFLECTION(global const float4* restrict path_sum_reflection HR_COMMA)
-        HR_IF_REFRACTION(global const float4* restrict path_sum_refraction HR_COMMA) global float4* restrict film_direct,
+        HR_IF_REFRACTION(global const float4* restrict path_sum_refraction HR_COMMA)
+            global float4* restrict film_direct,
     HR_IF_REFLECTION(global float4* restrict film_reflection HR_COMMA)
         HR_IF_REFRACTION(global float4* restrict film_refraction HR_COMMA) const uint first_pixel,
     const uint count) {
