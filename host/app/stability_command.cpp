@@ -39,6 +39,7 @@ struct StabilityArguments {
   std::vector<std::string> cases;  // empty: all
   std::uint32_t rays = 1'000'000;
   bool peers = false;
+  std::string precision = "single";
 };
 
 // Those with one of the words in their names.
@@ -84,7 +85,8 @@ stability::Report describe(const Context& context, const StabilityArguments& giv
   report.date = today();
   report.rays = given.rays;
   report.seed = kSeed;
-  report.complete = given.cases.empty();
+  report.precision = given.precision;
+  report.complete = given.cases.empty() && given.precision == "single";
   return report;
 }
 
@@ -108,6 +110,7 @@ int run_stability(const StabilityArguments& given) {
   options.seed = kSeed;
   options.peer = peer.get();
   options.threads = threads;
+  options.double_precision = given.precision == "double";
   stability::Ladder ladder(context, options);
 
   const InterruptGuard interrupt;
@@ -120,7 +123,7 @@ int run_stability(const StabilityArguments& given) {
     stability::CaseResults results{one.name, one.what, {}};
     for (const auto& make : one.rungs) {
       if (interrupt.interrupted()) break;
-      results.rungs.push_back(ladder.run(one.name, make()));
+      if (auto result = ladder.run(one.name, make())) results.rungs.push_back(std::move(*result));
       progress.update(static_cast<double>(++done) / static_cast<double>(rungs), 0.0);
     }
     progress.clear();
@@ -153,6 +156,11 @@ void add_stability_command(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false)
       ->type_name("NAME");
   command->add_flag("--peers", given->peers, "Judge Embree by the same rays (where built with libembree-dev)");
+  command
+      ->add_option("--precision", given->precision,
+                   "double asks the same rays in double precision; rays that leave surfaces are left out")
+      ->check(CLI::IsMember({"single", "double"}))
+      ->capture_default_str();
   command->add_option("--device", given->device, "Index, part of a name, cpu or gpu (default: HEMIRAY_DEVICE)");
   command->footer(kExamples);
   command->callback([given, &exit_code] { exit_code = run_stability(*given); });

@@ -84,12 +84,13 @@ void look(Scene& scene, DVec3 from, DVec3 to, double fov_deg) {
 }
 
 // The red values of a square picture of about so many pixels, an odd number a side.
-std::vector<float> render(Context& context, const Scene& scene, std::uint32_t pixels, int depth) {
+std::vector<float> render(const PictureRun& run, const Scene& scene, int depth) {
   RenderOptions options;
-  options.width = options.height = static_cast<int>(std::sqrt(static_cast<double>(pixels))) | 1;
+  options.double_precision = run.double_precision;
+  options.width = options.height = static_cast<int>(std::sqrt(static_cast<double>(run.pixels))) | 1;
   options.spp = 1;
   options.depth = depth;
-  const RenderResult result = render_scene(context, scene, options);
+  const RenderResult result = render_scene(run.context, scene, options);
   const Layer& layer = *result.image.find("");
   std::vector<float> red;
   for (std::size_t i = 0; i < result.image.pixel_count(); i++) red.push_back(layer.data[i * layer.channels.size()]);
@@ -109,7 +110,7 @@ Passed surfaces_passed(float value) {
 
 // Three spheres in each other, denser inwards, so that nothing is reflected totally and each is passed twice or not at
 // all.
-Tally nested(Context& context, std::uint32_t pixels, double gap) {
+Tally nested(const PictureRun& run, double gap) {
   Scene scene = empty_room();
   add_room(scene, 4.0, DVec3(0.0), 0);
   const DVec3 center(0.1, 0.2, -0.3);
@@ -119,7 +120,7 @@ Tally nested(Context& context, std::uint32_t pixels, double gap) {
   }
   look(scene, {0.3, 0.4, 3.2}, center, 36.0);
   Tally tally;
-  for (const float value : render(context, scene, pixels, 12)) {
+  for (const float value : render(run, scene, 12)) {
     const Passed passed = surfaces_passed(value);
     tally.rays++;
     if (value == 0.0F) {
@@ -134,7 +135,7 @@ Tally nested(Context& context, std::uint32_t pixels, double gap) {
 }
 
 // Every path meets a wall 65 times.
-Tally mirrors(Context& context, std::uint32_t pixels, double at) {
+Tally mirrors(const PictureRun& run, double at) {
   constexpr int kDepth = 64;
   Scene scene = empty_room();
   scene.materials.push_back(mirror());
@@ -142,7 +143,7 @@ Tally mirrors(Context& context, std::uint32_t pixels, double at) {
   add_room(scene, 4.0, center, 1);
   look(scene, center, center + DVec3(1.0), 100.0);
   Tally tally;
-  for (const float value : render(context, scene, pixels, kDepth)) {
+  for (const float value : render(run, scene, kDepth)) {
     tally.rays++;
     tally.missed += value == static_cast<float>(kDepth + 1) ? 0 : 1;
   }
@@ -151,7 +152,7 @@ Tally mirrors(Context& context, std::uint32_t pixels, double at) {
 
 // The camera stands `share` of a radius from the centre of a glass ball. What is not reflected totally passes one
 // surface.
-Tally inside_glass(Context& context, std::uint32_t pixels, double share) {
+Tally inside_glass(const PictureRun& run, double share) {
   constexpr float kIndex = 1.5F;
   Scene scene = empty_room();
   scene.materials.push_back(glass(kIndex));
@@ -160,7 +161,7 @@ Tally inside_glass(Context& context, std::uint32_t pixels, double share) {
   add_sphere(scene, center, 1.0, 1);
   look(scene, center + share * way, center + 2.0 * way, 100.0);
   Tally tally;
-  for (const float value : render(context, scene, pixels, 12)) {
+  for (const float value : render(run, scene, 12)) {
     tally.rays++;
     if (value == 0.0F && share > 1.0 / kIndex) continue;  // reflected totally
     const Passed passed = surfaces_passed(value);
@@ -174,7 +175,7 @@ Tally inside_glass(Context& context, std::uint32_t pixels, double share) {
 }
 
 // The floor under a lamp so far below the ceiling, with and without that.
-Tally lamp(Context& context, std::uint32_t pixels, double gap) {
+Tally lamp(const PictureRun& run, double gap) {
   std::vector<float> with, without;
   for (const bool ceiling : {true, false}) {
     Scene scene = empty_room();
@@ -191,7 +192,7 @@ Tally lamp(Context& context, std::uint32_t pixels, double gap) {
     light.jitter = false;
     scene.lights.push_back(light);
     look(scene, {0.0, 3.0, 0.0}, {0.0, -4.0, 0.0}, 60.0);
-    (ceiling ? with : without) = render(context, scene, pixels, 1);
+    (ceiling ? with : without) = render(run, scene, 1);
   }
   Tally tally;
   for (std::size_t i = 0; i < with.size(); i++) {
@@ -208,7 +209,7 @@ std::function<Rung()> picture(std::string name, double value, Judge judge) {
     Rung rung;
     rung.name = name;
     rung.kind = RungKind::picture;
-    rung.picture = [=](Context& context, std::uint32_t pixels) { return judge(context, pixels, value); };
+    rung.picture = [=](const PictureRun& run) { return judge(run, value); };
     return rung;
   };
 }

@@ -90,9 +90,9 @@ void Ladder::run_hits(const Rung& rung, RungResult& result) {
   bool has_packets = false;
   {
     const DeviceTree tree(*context_, builder_, rung.flat);
-    RayQueries single(*context_, tree.scene, tree.accel);
+    RayQueries single(*context_, tree.scene, tree.accel, false, RayGrouping::single, options_.double_precision);
     answers[0] = {single.intersect(rays.rays), single.occluded(rays.rays)};
-    has_packets = tree.accel.config().has_packets() && rung.flat.spheres.empty();
+    has_packets = tree.accel.config().has_packets() && rung.flat.spheres.empty() && !options_.double_precision;
     if (has_packets) {
       RayQueries packets(*context_, tree.scene, tree.accel, false, RayGrouping::packets);
       answers.push_back({packets.intersect(rays.rays), packets.occluded(rays.rays)});
@@ -123,7 +123,8 @@ void Ladder::run_leaving(const Rung& rung, RungResult& result) {
   result.ours = judge_leaving(rung, rays, wanted, answers);
 }
 
-RungResult Ladder::run(const std::string& case_name, const Rung& rung) {
+std::optional<RungResult> Ladder::run(const std::string& case_name, const Rung& rung) {
+  if (options_.double_precision && rung.kind == RungKind::leaving) return std::nullopt;
   RungResult result;
   result.case_name = case_name;
   result.rung = rung.name;
@@ -137,7 +138,7 @@ RungResult Ladder::run(const std::string& case_name, const Rung& rung) {
       break;
     case RungKind::picture:
       // A pixel is several rays.
-      result.ours = rung.picture(*context_, std::max(options_.rays / 16, 1024U));
+      result.ours = rung.picture({*context_, std::max(options_.rays / 16, 1024U), options_.double_precision});
       break;
   }
   result.broken = broken_bounds(case_name, rung.name, result.ours);

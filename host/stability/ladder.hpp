@@ -30,6 +30,8 @@ struct LadderOptions {
   std::uint32_t seed = 5;
   bench::Tracer* peer = nullptr;
   unsigned threads = 1;  ///< that judge
+  /// Rays and pictures in double. Rays that leave surfaces begin where a float cannot tell: their rungs are left out.
+  bool double_precision = false;
   /// Puts something in the way of the device's answers: for tests of the oracle.
   std::function<void(std::vector<shared::QueryHit>&)> tamper;
 };
@@ -37,7 +39,8 @@ struct LadderOptions {
 class Ladder {
  public:
   Ladder(Context& context, LadderOptions options);
-  RungResult run(const std::string& case_name, const Rung& rung);
+  /// None for a rung that is left out.
+  std::optional<RungResult> run(const std::string& case_name, const Rung& rung);
 
  private:
   void run_hits(const Rung& rung, RungResult& result);

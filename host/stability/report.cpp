@@ -148,9 +148,9 @@ std::size_t count_failing(const Report& report) {
 bool holds(const Report& report) { return count_failing(report) == 0; }
 
 std::string report_head(const Report& report) {
-  return fmt::format("{} ({}, {})\n{}, {} rays a rung, seed {}{}\n", report.machine.device, report.machine.platform,
-                     report.machine.driver, report.machine.processor, report.rays, report.seed,
-                     report.machine.peer.empty() ? "" : ", beside " + report.machine.peer);
+  return fmt::format("{} ({}, {})\n{}, {} rays a rung, seed {}, {} precision{}\n", report.machine.device,
+                     report.machine.platform, report.machine.driver, report.machine.processor, report.rays, report.seed,
+                     report.precision, report.machine.peer.empty() ? "" : ", beside " + report.machine.peer);
 }
 
 std::string case_table(const CaseResults& results) {
@@ -212,6 +212,7 @@ std::string report_json(const Report& report) {
                          {"seconds", report.seconds},
                          {"bound_ulps", kBoundUlps},
                          {"complete", report.complete},
+                         {"precision", report.precision},
                          {"holds", holds(report)},
                          {"cases", cases}};
   return all.dump(2) + "\n";
@@ -236,6 +237,7 @@ std::string report_markdown(const Report& report) {
   text += fmt::format("| time | {} |\n", format_duration(report.seconds));
   text += fmt::format("| rungs | {}, of which {} fail{} |\n\n", count_rungs(report), count_failing(report),
                       report.complete ? "" : " (some are left out)");
+  if (report.precision == "double") text += "In double precision (`--precision double`).\n\n";
   text += fmt::format(
       "Rays are aimed at vertices, edges, corners and planes of boxes, half of them moved by up to 3 ulps; random rays "
       "prove little. Every answer is judged by what the exact ray through the same floats meets (long double with an "

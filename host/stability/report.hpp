@@ -21,6 +21,7 @@ struct Report {
   double seconds = 0.0;
   std::vector<CaseResults> cases;
   bool complete = true;  ///< all cases, to their end
+  std::string precision = "single";
 };
 
 /// Whether every rung holds its bounds.

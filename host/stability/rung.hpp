@@ -1,6 +1,7 @@
 // A rung of the ladder: one scene, and what is asked of it. A case is a row of rungs, each harder than the one before.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -23,14 +24,21 @@ enum class After {
   layer,   ///< the first half of the triangles is a sheet, the second the same one behind it: it goes on to that one
 };
 
+/// How a rung's pictures are to be rendered.
+struct PictureRun {
+  Context& context;
+  std::uint32_t pixels;  ///< about so many
+  bool double_precision;
+};
+
 struct Rung {
   std::string name;
   RungKind kind = RungKind::hits;
   FlatScene flat;
   RayMaker rays;
   After after = After::convex;
-  /// Renders about `pixels` pixels and judges them.
-  std::function<Tally(Context& context, std::uint32_t pixels)> picture;
+  /// Renders and judges the pixels.
+  std::function<Tally(const PictureRun& run)> picture;
 };
 
 struct Case {
