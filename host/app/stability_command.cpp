@@ -127,7 +127,8 @@ int run_stability(const StabilityArguments& given) {
       progress.update(static_cast<double>(++done) / static_cast<double>(rungs), 0.0);
     }
     progress.clear();
-    if (!results.rungs.empty()) show(stability::case_table(results));
+    if (results.rungs.empty()) continue;
+    show(stability::case_table(results));
     report.cases.push_back(std::move(results));
   }
   progress.finish();
