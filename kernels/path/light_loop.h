@@ -11,9 +11,11 @@
 // A shadow ray ends this much (relative) before the light sample: t carries a few rounding errors.
 #define HR_SHADOW_RAY_MARGIN (16 * HR_HALF_ULP)
 
-// The primitive that shadow rays from a point of `primitive` do not meet.
-static inline uint shadow_skip(const SceneView* view, uint primitive) {
-  return is_curved_shape(view, primitive) ? HR_NO_PRIMITIVE : primitive;
+// The primitive that shadow rays do not meet: the one that they leave, if it is flat or a sphere seen from outside.
+// surface: y 1 if the front was hit, z primitive.
+static inline uint shadow_skip(const SceneView* view, uint4 surface) {
+  const bool is_sphere = HR_HAS(SPHERES) && surface.z - view->triangle_count < view->sphere_count;
+  return is_curved_shape(view, surface.z) || (is_sphere && surface.y == 0) ? HR_NO_PRIMITIVE : surface.z;
 }
 
 static inline uint after_lights(const PathContext* context, const PathState* s) {

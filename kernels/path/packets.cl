@@ -88,7 +88,7 @@ kernel void path_answer_shadow_packets(HR_PACKET_PARAMETERS) {
       if ((uint)path_shadow_direction[slot].w != light || !is_near(xyz(to), to.w)) continue;
       if (!opened) open_packet(&packet, origin, HR_SHADOW_RAY_MARGIN, xyz(to) - origin);
       opened = true;
-      put_ray(&packet, i, xyz(to) - origin, 1 - HR_UNSEEN_END, shadow_skip(&view, path_surface[slot].z));
+      put_ray(&packet, i, xyz(to) - origin, 1 - HR_UNSEEN_END, shadow_skip(&view, path_surface[slot]));
     }
     if (!opened) continue;
     close_packet(&packet);

@@ -208,6 +208,25 @@ TEST_CASE("device: reflection and refraction at glass have the shares of Fresnel
   }
 }
 
+TEST_CASE("no light from outside reaches the inside of a closed sphere") {
+  Scene scene = empty_scene({0, 0, 0.5}, {0, 0, -1}, 90.0);
+  add_sphere(scene, {0, 0, 0}, 1.0, add_material(scene, diffuse(Vec3(1.0F))));
+  add_point_light(scene, {3, 4, -5}, Vec3(1000.0F));
+  for (const EngineKind engine : {EngineKind::wavefront, EngineKind::megakernel}) {
+    const Image dark = render_on_device(scene, {16, 16, 1, 0, 0}, engine);
+    Scene lit = scene;
+    lit.lights.front().position = {0, 0, 0};
+    const Image bright = render_on_device(lit, {16, 16, 1, 0, 0}, engine);
+    for (int y = 0; y < 16; ++y) {
+      for (int x = 0; x < 16; ++x) {
+        CHECK(value_at(dark, "", x, y) == 0.0);
+        // From the middle the wall is 1 m away and faced squarely.
+        CHECK(kPi * value_at(bright, "", x, y) == Approx(1000.0).epsilon(1e-4));
+      }
+    }
+  }
+}
+
 namespace {
 
 /// Of the pixels that the smooth surface turns to the light: the share that is black, and the largest relative
