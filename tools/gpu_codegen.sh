@@ -39,7 +39,7 @@ if [[ -z $ptxas && -x /usr/local/cuda/bin/ptxas ]]; then ptxas=/usr/local/cuda/b
 # --- flattened sources and the GPU profile's options, from hemiray's own code ---
 g++ -std=c++20 -O0 -I"$root" -I"$root/kernels" -o "$work/gpu_programs" \
   "$root"/tools/gpu_programs.cpp "$root"/host/gpu/{source_store,device_profile}.cpp "$root"/host/bvh/accel_config.cpp \
-  "$root"/host/base/read_file.cpp -lfmt -lOpenCL || fail "tools/gpu_programs.cpp does not compile"
+  "$root"/host/base/{read_file,json_text,spelling}.cpp -lfmt -lOpenCL || fail "tools/gpu_programs.cpp does not compile"
 read -ra profile < <(HEMIRAY_KERNEL_DIR=$root/kernels "$work/gpu_programs" "$work") && ((${#profile[@]})) ||
   fail "no options from tools/gpu_programs.cpp"
 rm -f -- "$work/gpu_programs"

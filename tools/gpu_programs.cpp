@@ -22,6 +22,7 @@ const std::size_t kEmbeddedKernelCount = 0;
 
 namespace {
 
+// All features but implicit surfaces, whose solver needs more registers than there are: docs/devices.md.
 std::string gpu_options() {
   DeviceInfo device;
   device.kind = DeviceKind::gpu;
@@ -33,7 +34,7 @@ std::string gpu_options() {
   config.leaf_lanes = tree.leaf_lanes;
   config.explicit_vectors = tree.explicit_vectors != 0;
   return config.defines() + " -DHR_LOCAL_SIZE=" + std::to_string(profile.local_size) +
-         " -DHR_FEATURES=" + std::to_string((1U << HR_FEATURE_COUNT) - 1) + "u";
+         " -DHR_FEATURES=" + std::to_string(((1U << HR_FEATURE_COUNT) - 1) & ~HR_FEATURE_IMPLICITS) + "u";
 }
 
 void write_flattened(const std::filesystem::path& kernels, const std::filesystem::path& folder) {
