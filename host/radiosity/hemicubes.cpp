@@ -1,0 +1,155 @@
+#include "host/radiosity/hemicubes.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+#include "host/bvh/ray_queries.hpp"
+#include "host/radiosity/hemicube_cells.hpp"
+
+namespace hemiray {
+namespace {
+
+constexpr std::uint32_t kTileWidth = 8;  // HR_TILE_WIDTH of radiosity/hemicube.cl
+constexpr std::uint32_t kTileCellsWithoutPackets = 64;
+constexpr std::uint32_t kPacketGroup = 16;
+constexpr std::uint64_t kSumBytes = std::uint64_t{256} << 20U;  // for dense rows, at most
+constexpr std::uint32_t kMostRowsABatch = 4096;
+
+std::uint32_t tiles_of(std::uint32_t width, std::uint32_t height, std::uint32_t tile_height) {
+  return ((width + kTileWidth - 1) / kTileWidth) * ((height + tile_height - 1) / tile_height);
+}
+
+ProgramOptions trace_options(const Context& context, const DeviceScene& scene, const Accel& accel) {
+  ProgramOptions options = accel.program_options(scene.features(), false);
+  options.defines += fmt::format(" -DHR_PACKET_GROUPS={}", context.profile().packet_groups);
+  return options;
+}
+
+}  // namespace
+
+void check_hemicube_options(const HemicubeOptions& options) {
+  if (options.resolution < 8 || options.resolution > 1024 || options.resolution % 2 != 0) {
+    throw InputError("hemicube", fmt::format("a resolution of {} cannot be had; take an even number from 8 to 1024",
+                                             options.resolution));
+  }
+  if (options.divisions < 1 || options.divisions > 16) {
+    throw InputError("hemicube", fmt::format("{} divisions of a patch cannot be had; take 1 to 16", options.divisions));
+  }
+}
+
+Hemicubes::Hemicubes(Context& context, Parallel& parallel, AccelBuilder& builder, const PatchMesh& mesh,
+                     const HemicubeOptions& options)
+    : context_(&context),
+      parallel_(&parallel),
+      mesh_(&mesh),
+      options_(options),
+      scene_(context, mesh.flat, HR_FEATURE_TRIANGLES),
+      accel_(builder, scene_),
+      trace_(context, "hemicubes", {"radiosity/hemicube.cl"}, trace_options(context, scene_, accel_)),
+      rows_(context, "factor rows", {"radiosity/rows.cl"}, {}),
+      normals_(context, "patch normals", std::span(mesh.normals)),
+      reached_(context, "sides reached", mesh.side_count()) {
+  check_hemicube_options(options);
+  const std::vector<float> delta = hemicube_cells(options.resolution);
+  delta_ = Buffer<float>(context, "hemicube cells", std::span(delta));
+  reached_.clear();
+  const std::uint64_t row_bytes = std::uint64_t{mesh.side_count()} * sizeof(float);
+  const std::uint64_t most =
+      std::max<std::uint64_t>(1, std::min(kSumBytes, context.device().max_allocation_bytes) / row_bytes);
+  items_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(most, context.profile().chunks));
+  sums_ = Buffer<float>(context, "dense rows", std::size_t{items_} * mesh.side_count());
+  sums_.clear();
+}
+
+std::uint64_t Hemicubes::cells() const {
+  return std::uint64_t{3} * options_.resolution * options_.resolution * options_.divisions * options_.divisions;
+}
+
+std::uint32_t Hemicubes::rows_a_batch() const {
+  const std::uint64_t bytes = std::min(options_.batch_bytes, context_->device().max_allocation_bytes);
+  const std::uint64_t rows = std::max<std::uint64_t>(1, bytes / (cells() * sizeof(std::uint32_t)));
+  // A batch's entries fit one allocation even if every ray meets another side.
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(rows, kMostRowsABatch));
+}
+
+void Hemicubes::add_rows(std::span<const std::uint32_t> sides, FactorMatrix& matrix) {
+  matrix.side_count = mesh_->side_count();
+  const std::uint32_t batch = rows_a_batch();
+  const std::uint32_t tile_height = accel_.config().has_packets()
+                                        ? kPacketGroup * context_->profile().packet_groups / kTileWidth
+                                        : kTileCellsWithoutPackets / kTileWidth;
+  const std::uint32_t n = options_.resolution;
+  const std::uint32_t tiles = tiles_of(n, n, tile_height) + 4 * tiles_of(n, n / 2, tile_height);
+  const shared::RenderParams params = query_params(scene_);
+  for (std::size_t first = 0; first < sides.size(); first += batch) {
+    const auto part = sides.subspan(first, std::min<std::size_t>(batch, sides.size() - first));
+    FactorBlock block;
+    block.row_count = static_cast<std::uint32_t>(part.size());
+    block.rows = Buffer<std::uint32_t>(*context_, "factor rows", part);
+    block.starts = Buffer<std::uint32_t>(*context_, "factor starts", part.size() + 1);
+    if (seen_.size() < part.size() * cells()) {
+      seen_ = Buffer<std::uint32_t>();
+      seen_ = Buffer<std::uint32_t>(*context_, "what hemicubes see", part.size() * cells());
+    }
+    shared::HemicubeParams cube{};
+    cube.resolution = n;
+    cube.divisions = options_.divisions;
+    cube.turned = options_.turned ? 1 : 0;
+    cube.jittered = options_.jittered ? 1 : 0;
+    cube.seed_key = options_.seed * 0x9E3779B9U;
+    cube.row_count = block.row_count;
+    cube.side_count = mesh_->side_count();
+    const std::uint64_t cubes = std::uint64_t{block.row_count} * options_.divisions * options_.divisions;
+    launch(*context_, trace_.kernel("radiosity_trace_hemicubes"), cubes * tiles,
+           arguments(scene_.shading_arguments(), accel_.tree_arguments(), arg("normals", normals_),
+                     arg("rows", block.rows), arg("seen", seen_), arg("cube", cube), arg("params", params)));
+    rays_ += block.row_count * cells();
+    launch(*context_, rows_.kernel("radiosity_count_row"), items_,
+           arguments(arg("seen", seen_), arg("sums", sums_), arg("counts", block.starts), arg("reached", reached_),
+                     arg("cube", cube)));
+    parallel_->exclusive_scan(block.starts, block.row_count);
+    block.entries = block.starts.read(block.row_count, 1).front();
+    block.columns = Buffer<std::uint32_t>(*context_, "factor columns", block.entries);
+    block.values = Buffer<float>(*context_, "factor values", block.entries);
+    launch(*context_, rows_.kernel("radiosity_emit_row"), items_,
+           arguments(arg("seen", seen_), arg("sums", sums_), arg("starts", block.starts), arg("delta", delta_),
+                     arg("columns", block.columns), arg("values", block.values), arg("cube", cube)));
+    matrix.blocks.push_back(std::move(block));
+  }
+}
+
+FactorMatrix Hemicubes::rows_reached_from(std::span<const std::uint32_t> sources,
+                                          const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress) {
+  FactorMatrix matrix;
+  matrix.side_count = mesh_->side_count();
+  // By face and side of it: a face is taken whole.
+  std::vector<std::array<bool, 2>> wanted(mesh_->face_count, {false, false}), done = wanted;
+  for (const std::uint32_t side : sources) wanted[mesh_->faces[side / 2]][side % 2] = true;
+  std::uint64_t rows_done = 0;
+  for (;;) {
+    std::vector<std::uint32_t> next;
+    for (std::uint32_t side = 0; side < mesh_->side_count(); side++) {
+      const std::uint32_t face = mesh_->faces[side / 2];
+      if (wanted[face][side % 2] && !done[face][side % 2]) next.push_back(side);
+    }
+    if (next.empty()) break;
+    done = wanted;
+    const std::uint32_t step = rows_a_batch();
+    for (std::size_t first = 0; first < next.size(); first += step) {
+      const std::size_t count = std::min<std::size_t>(step, next.size() - first);
+      add_rows(std::span(next).subspan(first, count), matrix);
+      rows_done += count;
+      if (on_progress && !on_progress(rows_done, rows_done + next.size() - first - count)) return matrix;
+    }
+    const std::vector<std::uint32_t> reached = reached_.read();
+    for (std::uint32_t side = 0; side < mesh_->side_count(); side++) {
+      if (reached[side] != 0) wanted[mesh_->faces[side / 2]][side % 2] = true;
+    }
+  }
+  return matrix;
+}
+
+}  // namespace hemiray

@@ -1,0 +1,66 @@
+// Form factors by ray-cast hemicubes, for the sides that light can reach.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "host/bvh/accel.hpp"
+#include "host/radiosity/factor_matrix.hpp"
+#include "host/radiosity/patch_mesh.hpp"
+
+namespace hemiray {
+
+struct HemicubeOptions {
+  std::uint32_t resolution = 64;  ///< cells along an edge of the top: even, 8 to 1024
+  std::uint32_t divisions = 1;    ///< sample points a patch: the square of this, 1 to 16
+  bool turned = true;             ///< each cube about its normal by an angle of its own, against aliasing
+  bool jittered = false;          ///< rays through random points of the cells
+  std::uint32_t seed = 0;
+  std::uint64_t batch_bytes = std::uint64_t{64} << 20U;  ///< for what the rays of a batch see
+};
+
+/// Throws InputError for options out of range.
+void check_hemicube_options(const HemicubeOptions& options);
+
+/// A mesh on the device with its tree, and the kernels that look from its sides. The Context, the builder and the mesh
+/// must outlive it.
+class Hemicubes {
+ public:
+  Hemicubes(Context& context, Parallel& parallel, AccelBuilder& builder, const PatchMesh& mesh,
+            const HemicubeOptions& options);
+
+  /// Rows of these sides, as further blocks of `matrix`.
+  void add_rows(std::span<const std::uint32_t> sides, FactorMatrix& matrix);
+
+  /// Rows of all sides that light from `sources` can reach: those that emit, what they see, what that sees. A face is
+  /// taken whole, so that no patch of it stays out for being missed by every ray. `on_progress` gets rows done and
+  /// known to come; returning false ends it early.
+  FactorMatrix rows_reached_from(std::span<const std::uint32_t> sources,
+                                 const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress = {});
+
+  [[nodiscard]] std::uint64_t rays_traced() const { return rays_; }
+  [[nodiscard]] const DeviceScene& scene() const { return scene_; }
+  [[nodiscard]] const Accel& accel() const { return accel_; }
+
+ private:
+  [[nodiscard]] std::uint64_t cells() const;
+  [[nodiscard]] std::uint32_t rows_a_batch() const;
+
+  Context* context_;
+  Parallel* parallel_;
+  const PatchMesh* mesh_;
+  HemicubeOptions options_;
+  DeviceScene scene_;
+  Accel accel_;
+  Program trace_, rows_;
+  Buffer<shared::float4> normals_;
+  Buffer<float> delta_;
+  Buffer<std::uint32_t> seen_, reached_;
+  Buffer<float> sums_;
+  std::uint32_t items_;  ///< of the kernels that sum rows
+  std::uint64_t rays_ = 0;
+};
+
+}  // namespace hemiray

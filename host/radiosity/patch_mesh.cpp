@@ -1,0 +1,301 @@
+#include "host/radiosity/patch_mesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+
+namespace hemiray {
+namespace {
+
+constexpr double kDefaultChord = 0.01;  // of a sphere's radius
+constexpr std::uint32_t kMostPatches = 1U << 22U;
+
+Vec3 position_of(const FlatScene& flat, std::uint32_t vertex) {
+  const float* p = &flat.positions[std::size_t{3} * vertex];
+  return {p[0], p[1], p[2]};
+}
+
+// Where new vertices of a sphere go.
+struct Ball {
+  DVec3 center;
+  double radius;
+};
+
+// A triangle's corners while it is cut: places decide, so that both sides of an edge decide alike.
+struct Corner {
+  Vec3 position;
+  std::uint32_t vertex = 0;  // of what is written, or of nothing while counting
+};
+
+struct Targets {
+  double edge_m;
+  double chord_m;
+};
+
+double length2(const Vec3& a, const Vec3& b) {
+  const DVec3 d = DVec3(a) - DVec3(b);
+  return glm::dot(d, d);
+}
+
+Vec3 middle_of(const Vec3& a, const Vec3& b, const Ball* ball) {
+  const DVec3 middle = 0.5 * (DVec3(a) + DVec3(b));
+  if (ball == nullptr) return Vec3(middle);
+  const DVec3 out = middle - ball->center;
+  return Vec3(ball->center + out * (ball->radius / glm::length(out)));
+}
+
+bool is_too_long(double edge2, const Ball* ball, const Targets& targets) {
+  if (edge2 > targets.edge_m * targets.edge_m) return true;
+  if (ball == nullptr) return false;
+  // A triangle inscribed in the ball lies below its surface by at most about edge^2 / (6 r).
+  return edge2 > 6.0 * ball->radius * targets.chord_m;
+}
+
+// Longest-edge bisection (Rivara 1984): an edge is halved if and only if it is too long, whoever looks at it, so there
+// are no T-junctions, and no angle falls below half of the smallest one. `split` tells of a new vertex, `leaf` takes
+// what is small enough.
+template <typename Split, typename Leaf>
+void bisect(std::array<Corner, 3> t, const Ball* ball, const Targets& targets, const Split& split, const Leaf& leaf) {
+  const std::array<double, 3> edges = {length2(t[0].position, t[1].position), length2(t[1].position, t[2].position),
+                                       length2(t[2].position, t[0].position)};
+  const auto longest = static_cast<std::size_t>(std::max_element(edges.begin(), edges.end()) - edges.begin());
+  if (!is_too_long(edges[longest], ball, targets)) {
+    leaf(t);
+    return;
+  }
+  const Corner &a = t[longest], &b = t[(longest + 1) % 3], &c = t[(longest + 2) % 3];
+  Corner middle{middle_of(a.position, b.position, ball), 0};
+  if (middle.position == a.position || middle.position == b.position) {  // no float lies between
+    leaf(t);
+    return;
+  }
+  middle.vertex = split(a, b, middle.position);
+  bisect({a, middle, c}, ball, targets, split, leaf);
+  bisect({middle, b, c}, ball, targets, split, leaf);
+}
+
+// What the scene's surfaces are before they are cut.
+struct Face {
+  std::array<std::uint32_t, 3> vertices;  // of the mesh that is written
+  std::uint32_t material, object, face;
+  const Ball* ball;
+};
+
+// The twenty triangles of an icosahedron, outward.
+constexpr double kGolden = std::numbers::phi;
+constexpr std::array<std::array<double, 3>, 12> kIcosahedron = {{{-1, kGolden, 0},
+                                                                 {1, kGolden, 0},
+                                                                 {-1, -kGolden, 0},
+                                                                 {1, -kGolden, 0},
+                                                                 {0, -1, kGolden},
+                                                                 {0, 1, kGolden},
+                                                                 {0, -1, -kGolden},
+                                                                 {0, 1, -kGolden},
+                                                                 {kGolden, 0, -1},
+                                                                 {kGolden, 0, 1},
+                                                                 {-kGolden, 0, -1},
+                                                                 {-kGolden, 0, 1}}};
+constexpr std::array<std::array<std::uint32_t, 3>, 20> kIcosahedronFaces = {
+    {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+     {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+     {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
+
+class Mesher {
+ public:
+  Mesher(const FlatScene& from, const PatchOptions& options) : from_(from), options_(options) {
+    if (!from.planes.empty()) {
+      throw InputError("radiosity", "the scene has an unbounded plane, which has no patches; use a quad in its place");
+    }
+    if (!from.shapes.empty()) {
+      throw InputError("radiosity",
+                       "the scene has disks, cylinders, cones, quadrics or implicit surfaces, which are not "
+                       "cut into patches; give them as meshes");
+    }
+    take_attributes();
+    for (std::size_t i = 0; i < from.triangles.size(); i++) {
+      const shared::uint4 t = from.triangles[i];
+      faces_.push_back({{t.x, t.y, t.z}, t.w, from.triangle_objects[i], face_count_++, nullptr});
+    }
+    balls_.reserve(from.spheres.size());
+    for (const shared::Sphere& sphere : from.spheres) add_sphere(sphere);
+    if (faces_.empty()) throw InputError("radiosity", "the scene has no surface that could be cut into patches");
+  }
+
+  PatchMesh make() {
+    const double edge = options_.edge_m > 0.0 ? options_.edge_m : edge_for_budget();
+    if (count(edge, kMostPatches) > kMostPatches) {
+      throw InputError("patches",
+                       fmt::format("edges of {} m make more than {} patches; take longer ones", edge, kMostPatches));
+    }
+    cut(edge);
+    mesh_.face_count = face_count_;
+    return std::move(mesh_);
+  }
+
+ private:
+  // Smooth normals, texture coordinates and colours come along; a sphere's vertices have normals.
+  void take_attributes() {
+    FlatScene& to = mesh_.flat;
+    to.positions = from_.positions;
+    to.normals = from_.normals;
+    to.uvs = from_.uvs;
+    to.colors = from_.colors;
+    to.materials = from_.materials;
+    to.textures = from_.textures;
+    to.texels = from_.texels;
+    if (!from_.spheres.empty() && to.normals.empty()) to.normals.resize(to.positions.size(), 0.0F);
+  }
+
+  std::uint32_t append(const Vec3& p, const Vec3& normal) {
+    FlatScene& to = mesh_.flat;
+    const auto index = static_cast<std::uint32_t>(to.positions.size() / 3);
+    to.positions.insert(to.positions.end(), {p.x, p.y, p.z});
+    if (!to.normals.empty()) to.normals.insert(to.normals.end(), {normal.x, normal.y, normal.z});
+    if (!to.uvs.empty()) to.uvs.push_back({0.0F, 0.0F});
+    if (!to.colors.empty()) to.colors.insert(to.colors.end(), {1.0F, 1.0F, 1.0F});
+    return index;
+  }
+
+  void add_sphere(const shared::Sphere& sphere) {
+    const DVec3 center(sphere.center_radius.x, sphere.center_radius.y, sphere.center_radius.z);
+    balls_.push_back({center, sphere.center_radius.w});
+    const Ball* ball = &balls_.back();
+    std::array<std::uint32_t, 12> vertex{};
+    for (std::size_t i = 0; i < vertex.size(); i++) {
+      const DVec3 out = glm::normalize(DVec3(kIcosahedron[i][0], kIcosahedron[i][1], kIcosahedron[i][2]));
+      vertex[i] = append(Vec3(center + ball->radius * out), Vec3(out));
+    }
+    for (const auto& f : kIcosahedronFaces) {
+      faces_.push_back({{vertex[f[0]], vertex[f[1]], vertex[f[2]]}, sphere.material, sphere.object, face_count_, ball});
+    }
+    face_count_++;  // one face: all of it is reached or nothing
+  }
+
+  [[nodiscard]] Targets targets_for(const Face& face, double edge_m) const {
+    if (face.ball == nullptr) return {edge_m, 0.0};
+    return {edge_m, options_.chord_m > 0.0 ? options_.chord_m : kDefaultChord * face.ball->radius};
+  }
+
+  [[nodiscard]] std::array<Corner, 3> corners_of(const Face& face) const {
+    std::array<Corner, 3> t;
+    for (std::size_t i = 0; i < 3; i++) t[i] = {position_of(mesh_.flat, face.vertices[i]), face.vertices[i]};
+    return t;
+  }
+
+  // How many patches edges of that length make, or more than `most`.
+  [[nodiscard]] std::uint64_t count(double edge_m, std::uint64_t most) const {
+    std::uint64_t patches = 0;
+    for (const Face& face : faces_) {
+      const double size2 =
+          length2(position_of(mesh_.flat, face.vertices[0]), position_of(mesh_.flat, face.vertices[1]));
+      if (size2 / (edge_m * edge_m) > 4.0 * static_cast<double>(most)) return most + 1;
+      bisect(
+          corners_of(face), face.ball, targets_for(face, edge_m),
+          [](const Corner&, const Corner&, const Vec3&) { return 0U; },
+          [&patches](const std::array<Corner, 3>&) { patches++; });
+      if (patches > most) return most + 1;
+    }
+    return patches;
+  }
+
+  // The shortest edges that the budget allows; the scene's own if it has more patches already.
+  [[nodiscard]] double edge_for_budget() const {
+    double longest2 = 0.0;
+    for (const Face& face : faces_) {
+      const auto t = corners_of(face);
+      for (std::size_t i = 0; i < 3; i++) {
+        longest2 = std::max(longest2, length2(t[i].position, t[(i + 1) % 3].position));
+      }
+    }
+    double too_short = 0.0, good = std::sqrt(longest2);
+    constexpr int kSteps = 24;
+    for (int i = 0; i < kSteps; i++) {
+      const double middle = too_short == 0.0 ? good * 0.5 : 0.5 * (too_short + good);
+      (count(middle, options_.patches) <= options_.patches ? good : too_short) = middle;
+      if (too_short > 0.0 && good - too_short < 1e-3 * good) break;
+    }
+    return good;
+  }
+
+  // The vertex halfway between two, made once.
+  std::uint32_t halfway(std::uint32_t a, std::uint32_t b, const Vec3& place, const Ball* ball) {
+    const std::pair<std::uint32_t, std::uint32_t> key = std::minmax(a, b);
+    const auto found = halves_.find(key);
+    if (found != halves_.end()) return found->second;
+    FlatScene& to = mesh_.flat;
+    Vec3 normal(0.0F);
+    if (ball != nullptr) {
+      normal = Vec3(glm::normalize(DVec3(place) - ball->center));
+    } else if (!to.normals.empty()) {
+      const float *na = &to.normals[std::size_t{3} * a], *nb = &to.normals[std::size_t{3} * b];
+      const Vec3 va(na[0], na[1], na[2]), vb(nb[0], nb[1], nb[2]);
+      const Vec3 sum = va + vb;
+      if (va != Vec3(0.0F) && vb != Vec3(0.0F) && glm::length(sum) > 0.0F) normal = glm::normalize(sum);
+    }
+    const std::uint32_t vertex = append(place, normal);
+    if (!to.uvs.empty()) {
+      to.uvs[vertex] = {0.5F * (to.uvs[a].x + to.uvs[b].x), 0.5F * (to.uvs[a].y + to.uvs[b].y)};
+    }
+    for (std::size_t i = 0; i < 3 && !to.colors.empty(); i++) {
+      to.colors[std::size_t{3} * vertex + i] =
+          0.5F * (to.colors[std::size_t{3} * a + i] + to.colors[std::size_t{3} * b + i]);
+    }
+    halves_.emplace(key, vertex);
+    return vertex;
+  }
+
+  void cut(double edge_m) {
+    for (const Face& face : faces_) {
+      const auto split = [&](const Corner& a, const Corner& b, const Vec3& place) {
+        return halfway(a.vertex, b.vertex, place, face.ball);
+      };
+      bisect(corners_of(face), face.ball, targets_for(face, edge_m), split,
+             [&](const std::array<Corner, 3>& t) { add_patch(t, face); });
+    }
+  }
+
+  void add_patch(const std::array<Corner, 3>& t, const Face& face) {
+    const DVec3 a(t[0].position), b(t[1].position), c(t[2].position);
+    const DVec3 cross = glm::cross(b - a, c - a);
+    const double twice = glm::length(cross);
+    if (!(twice > 0.0)) return;  // no area: nothing leaves it and nothing meets it
+    const Vec3 n(cross / twice);
+    mesh_.normals.push_back({n.x, n.y, n.z, static_cast<float>(0.5 * twice)});
+    mesh_.flat.triangles.push_back({t[0].vertex, t[1].vertex, t[2].vertex, face.material});
+    mesh_.flat.triangle_objects.push_back(face.object);
+    mesh_.faces.push_back(face.face);
+    for (std::size_t i = 0; i < 3; i++) {
+      mesh_.edge_m = std::max(mesh_.edge_m, std::sqrt(length2(t[i].position, t[(i + 1) % 3].position)));
+    }
+    if (face.ball == nullptr) return;
+    const double inside = face.ball->radius - std::abs(glm::dot(a - face.ball->center, cross / twice));
+    mesh_.chord_m = std::max(mesh_.chord_m, inside);
+  }
+
+  const FlatScene& from_;
+  const PatchOptions& options_;
+  PatchMesh mesh_;
+  std::vector<Face> faces_;
+  std::vector<Ball> balls_;
+  std::uint32_t face_count_ = 0;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> halves_;
+};
+
+}  // namespace
+
+PatchMesh make_patch_mesh(const FlatScene& flat, const PatchOptions& options) {
+  PatchMesh mesh = Mesher(flat, options).make();
+  read_patch_materials(flat, mesh);
+  return mesh;
+}
+
+}  // namespace hemiray

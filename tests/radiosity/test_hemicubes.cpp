@@ -1,0 +1,93 @@
+// Hemicube form factors against closed forms.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <numbers>
+
+#include "host/base/error.hpp"
+#include "host/radiosity/hemicube_cells.hpp"
+#include "tests/radiosity/radiosity_bench.hpp"
+
+namespace hemiray {
+namespace {
+
+using test::RadiosityBench;
+
+double sum_of(const std::vector<FactorRow>& rows, std::uint32_t side) {
+  double sum = 0.0;
+  for (const auto& [column, value] : rows[side]) sum += static_cast<double>(value);
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("cells of a hemicube sum to one, and the middle one is known") {
+  for (const std::uint32_t n : {8U, 10U, 64U, 1024U}) {
+    const std::vector<float> cells = hemicube_cells(n);
+    REQUIRE(cells.size() == std::size_t{n} * n * 3 / 2);
+    double top = 0.0, face = 0.0;
+    for (std::size_t i = 0; i < cells.size(); i++)
+      (i < std::size_t{n} * n ? top : face) += static_cast<double>(cells[i]);
+    // A float's rounding of each cell. The top: four corners of the catalogue's B-3 at x = y = 1.
+    CHECK(std::abs(top + 4.0 * face - 1.0) < 1e-6);
+    CHECK(std::abs(top - 4.0 * std::numbers::inv_pi * std::sqrt(0.5) * std::atan(std::sqrt(0.5))) < 1e-6);
+  }
+}
+
+TEST_CASE("tiny: hemicubes in a closed room see everything once") {
+  RadiosityBench bench;
+  FlatScene flat = test::flat_without_materials();
+  test::add_room(flat, Vec3(1.0F, 2.0F, 1.5F), test::add_material(flat, Vec3(0.5F), Vec3(0.0F)));
+  const PatchMesh mesh = make_patch_mesh(flat, {0.0, 12, 0.0});
+  for (const std::uint32_t resolution : {8U, 10U}) {
+    HemicubeOptions options;
+    options.resolution = resolution;
+    options.divisions = 2;
+    options.jittered = resolution == 10;
+    const std::vector<FactorRow> rows = read_rows(test::factors_of_fronts(bench, mesh, options));
+    for (std::uint32_t i = 0; i < mesh.patch_count(); i++) {
+      INFO("patch " << i << ", resolution " << resolution);
+      CHECK(std::abs(sum_of(rows, 2 * i) - 1.0) < 1e-5);
+      for (const auto& [side, value] : rows[std::size_t{2} * i]) {
+        CHECK(side % 2 == 0);
+        CHECK(side / 2 != i);
+        CHECK(value > 0.0F);
+      }
+    }
+  }
+}
+
+TEST_CASE("hemicubes give the unit cube's factors, the better the more points a face has") {
+  RadiosityBench bench;
+  FlatScene flat = test::flat_without_materials();
+  test::add_room(flat, Vec3(1.0F), test::add_material(flat, Vec3(0.5F), Vec3(0.0F)));
+  const auto opposite = [&](std::uint32_t patches, std::uint32_t divisions) {
+    const PatchMesh mesh = make_patch_mesh(flat, {0.0, patches, 0.0});
+    HemicubeOptions options;
+    options.divisions = divisions;
+    options.resolution = 64;
+    const std::vector<FactorRow> rows = read_rows(test::factors_of_fronts(bench, mesh, options));
+    return test::area_factor(
+        mesh, rows, [](std::uint32_t face) { return face / 2 == 4; }, [](std::uint32_t face) { return face / 2 == 5; });
+  };
+  constexpr double kExact = 0.199824896;  // Howell's catalogue, C-11
+  const double coarse = std::abs(opposite(12, 1) - kExact), finer = std::abs(opposite(12, 4) - kExact),
+               many = std::abs(opposite(3000, 1) - kExact);
+  CAPTURE(coarse, finer, many);
+  CHECK(coarse > 0.01);  // two points a face
+  CHECK(finer < 0.002);
+  CHECK(many < 0.0005);
+}
+
+TEST_CASE("hemicube options out of range are refused") {
+  HemicubeOptions options;
+  options.resolution = 9;
+  CHECK_THROWS_AS(check_hemicube_options(options), InputError);
+  options.resolution = 1026;
+  CHECK_THROWS_AS(check_hemicube_options(options), InputError);
+  options.resolution = 64;
+  options.divisions = 0;
+  CHECK_THROWS_AS(check_hemicube_options(options), InputError);
+}
+
+}  // namespace hemiray

@@ -1,0 +1,82 @@
+// The patch mesh: areas are kept, edges shared, budgets and errors as stated.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "host/base/error.hpp"
+#include "tests/radiosity/radiosity_bench.hpp"
+
+namespace hemiray {
+namespace {
+
+double area_of(const PatchMesh& mesh) {
+  double sum = 0.0;
+  for (const shared::float4& n : mesh.normals) sum += static_cast<double>(n.w);
+  return sum;
+}
+
+// Edges by their places that only one triangle has.
+std::size_t lonely_edges(const PatchMesh& mesh) {
+  using Place = std::array<float, 3>;
+  std::map<std::pair<Place, Place>, int> uses;
+  for (const shared::uint4& t : mesh.flat.triangles) {
+    const std::array<std::uint32_t, 3> v = {t.x, t.y, t.z};
+    for (std::size_t i = 0; i < 3; i++) {
+      const Vec3 a = test::vertex(mesh.flat, v[i]), b = test::vertex(mesh.flat, v[(i + 1) % 3]);
+      Place p = {a.x, a.y, a.z}, q = {b.x, b.y, b.z};
+      if (q < p) std::swap(p, q);
+      uses[{p, q}]++;
+    }
+  }
+  std::size_t lonely = 0;
+  for (const auto& [edge, count] : uses) lonely += count != 2;
+  return lonely;
+}
+
+}  // namespace
+
+TEST_CASE("a patch mesh keeps areas and has no T-junctions") {
+  FlatScene flat = test::flat_without_materials();
+  test::add_room(flat, Vec3(1.0F, 3.0F, 0.7F), test::add_material(flat, Vec3(0.5F), Vec3(0.0F)));
+  for (const std::uint32_t budget : {12U, 100U, 2000U}) {
+    const PatchMesh mesh = make_patch_mesh(flat, {0.0, budget, 0.0});
+    CHECK(mesh.patch_count() <= budget);
+    CHECK(mesh.patch_count() > budget / 3);
+    CHECK(std::abs(area_of(mesh) - 2.0 * (3.0 + 0.7 + 2.1)) < 1e-5);
+    CHECK(lonely_edges(mesh) == 0);
+  }
+  const PatchMesh mesh = make_patch_mesh(flat, {0.25, 0, 0.0});
+  CHECK(mesh.edge_m <= 0.25);
+  CHECK(lonely_edges(mesh) == 0);
+}
+
+TEST_CASE("a sphere is cut to the stated distance, closed") {
+  FlatScene flat = test::flat_without_materials();
+  test::add_material(flat, Vec3(0.5F), Vec3(0.0F));
+  test::add_sphere(flat, Vec3(1.0F, 2.0F, 3.0F), 2.0F);
+  for (const double chord : {0.1, 0.01, 0.001}) {
+    const PatchMesh mesh = make_patch_mesh(flat, {100.0, 0, chord});
+    INFO(mesh.patch_count() << " patches, " << mesh.chord_m);
+    CHECK(mesh.chord_m <= chord);
+    CHECK(mesh.chord_m > chord / 8.0);
+    CHECK(lonely_edges(mesh) == 0);
+    const double exact = 16.0 * std::numbers::pi;
+    CHECK(area_of(mesh) < exact);
+    CHECK(area_of(mesh) > exact * (1.0 - 2.0 * chord));
+  }
+}
+
+TEST_CASE("what cannot be cut, and mirrors of light, are refused") {
+  FlatScene flat = test::flat_without_materials();
+  test::add_material(flat, Vec3(0.5F), Vec3(0.0F));
+  CHECK_THROWS_AS(make_patch_mesh(flat, {}), InputError);
+  test::add_plane(flat, Vec3(0.0F), Vec3(0.0F, 1.0F, 0.0F));
+  CHECK_THROWS_AS(make_patch_mesh(flat, {}), InputError);
+  flat.planes.clear();
+  test::add_quad(flat, Vec3(0.0F), Vec3(1, 0, 0), Vec3(0, 1, 0), test::add_material(flat, Vec3(1.0F), Vec3(0.0F)));
+  CHECK_THROWS_AS(make_patch_mesh(flat, {}), InputError);
+}
+
+}  // namespace hemiray
