@@ -11,6 +11,7 @@
 
 #include "host/app/commands.hpp"
 #include "host/app/process_clock.hpp"
+#include "host/app/radiosity_arguments.hpp"
 #include "host/app/render_report.hpp"
 #include "host/base/atomic_file.hpp"
 #include "host/base/error.hpp"
@@ -33,6 +34,7 @@ constexpr const char* kExamples = R"(Examples:
   hemiray render scenes/glass_and_mirror.json -o a.exr --engine megakernel --strict --json > a.json
   hemiray render scene.obj -o out.exr --device gpu --trace trace.json
   hemiray render model.ply -o out.exr --accel octree --triangle fast
+  hemiray render scenes/cornell_box.json -o cornell.exr --method radiosity --patches 10000
   hemiray render scene.gltf -o out.exr --device all      every device, tiles by what each delivers
   hemiray render scene.gltf -o out.exr --device cpu,1    these two
   hemiray render scene.gltf -o out.exr --device split:2  one device as two sub-devices
@@ -43,13 +45,14 @@ dropped with a message, and the others do its part.
 Interrupt (Ctrl-C) finishes the pass, writes what is there and exits with 130.)";
 
 struct RenderArguments {
-  std::string scene, output, device, engine = "wavefront", accel = "bvh", tree = "quality", triangle = "watertight",
-                                     rays = "auto", terminator = "smooth", precision = "single", size, png, trace,
-                                     dump_kernels;
+  std::string scene, output, device, method = "whitted", engine = "wavefront", accel = "bvh", tree = "quality",
+                                     triangle = "watertight", rays = "auto", terminator = "smooth",
+                                     precision = "single", size, png, trace, dump_kernels;
   int spp = 4, depth = -1;
   std::uint32_t seed = 0;
   double exposure = 0.0;
   bool has_tree = false, strict = false, quiet = false, json = false;
+  RadiosityArguments radiosity;
 };
 
 // "640x480" -> width and height.
@@ -82,6 +85,11 @@ void check_effective(const RenderArguments& given, const RenderOptions& options)
   }
   if (given.exposure != 0.0 && given.png.empty()) {
     throw InputError("--exposure", "is for the picture of --png, which is not asked for; name one, or leave it out");
+  }
+  for (const CLI::Option* option : given.radiosity.given) {
+    if (option->count() > 0 && given.method != "radiosity") {
+      throw InputError(option->get_name(), "is for --method radiosity, which is not asked for; leave it out");
+    }
   }
   if (given.has_tree && options.accel.kind != AccelKind::bvh) {
     throw InputError("--tree " + given.tree, "is for bvh and bvh2; leave it out with --accel " + given.accel);
@@ -142,10 +150,11 @@ RenderFacts gather_facts(const RenderArguments& given, const Scene& scene, const
   facts.depth = given.depth >= 0 ? given.depth : scene.depth;
   const std::string tree = options.accel.kind == AccelKind::bvh ? " --tree " + given.tree : "";
   facts.options = fmt::format(
-      "--engine {} --accel {}{} --triangle {} --rays {} --terminator {} --precision {} --size {}x{} --spp {} --depth "
+      "--method {} --engine {} --accel {}{} --triangle {} --rays {} --terminator {} --precision {} --size {}x{} --spp "
+      "{} --depth "
       "{} --seed {}{}",
-      facts.engine, given.accel, tree, given.triangle, given.rays, given.terminator, given.precision, facts.width,
-      facts.height, facts.spp, facts.depth, facts.seed, facts.strict ? " --strict" : "");
+      given.method, facts.engine, given.accel, tree, given.triangle, given.rays, given.terminator, given.precision,
+      facts.width, facts.height, facts.spp, facts.depth, facts.seed, facts.strict ? " --strict" : "");
   facts.notes = scene.notes;
   return facts;
 }
@@ -180,6 +189,29 @@ void print_lost_device(const std::string& message) {
   fmt::print(stderr, "{}{:<{}}\n", terminal ? "\r" : "", "hemiray: warning: " + message, terminal ? kWidestBar : 0);
 }
 
+// The scene's diffuse light, and its surfaces lit by it.
+struct LitScene {
+  Radiosity radiosity;
+  FlatScene patches;
+};
+
+LitScene solve_light(const RenderArguments& given, const Scene& scene, const DeviceInfo& device,
+                     const InterruptGuard& interrupt) {
+  RadiosityOptions options = to_radiosity_options(given.radiosity);
+  options.hemicube.seed = given.seed;
+  Progress progress("form factors", !given.quiet);
+  options.on_progress = [&](const std::string&, double fraction) {
+    progress.update(fraction, 0.0);
+    return !interrupt.interrupted();
+  };
+  options.solve.on_iteration = [&](std::uint32_t, double) { return !interrupt.interrupted(); };
+  Context context(device);
+  LitScene lit;
+  lit.radiosity = compute_radiosity(context, flatten_scene(scene), options);
+  lit.patches = lit_patches(lit.radiosity.mesh, lit.radiosity.irradiance, to_display_options(given.radiosity));
+  return lit;
+}
+
 int run_render(const RenderArguments& given) {
   RenderOptions options = to_options(given);
   check_outputs(given);
@@ -195,6 +227,13 @@ int run_render(const RenderArguments& given) {
   facts.load_ms = (loaded - load_start) * 1e3;
 
   const InterruptGuard interrupt;
+  LitScene lit;
+  if (given.method == "radiosity") {
+    lit = solve_light(given, scene, devices.front(), interrupt);
+    options.patches = &lit.patches;
+    facts.radiosity = radiosity_json(lit.radiosity);
+    if (!given.quiet && !given.json) std::fputs(radiosity_table(lit.radiosity).c_str(), stdout);
+  }
   Progress progress("render", !given.quiet);
   options.on_progress = [&progress](double fraction, double rate) { progress.update(fraction, rate); };
   options.on_first_pass = [&facts] { facts.first_pixel_s = seconds_since_process_start(); };
@@ -235,6 +274,12 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option(
       "--device", given->device,
       "Index, part of a name, cpu, gpu, all, split:N (sub-devices), or a list with commas (default: HEMIRAY_DEVICE)");
+  command
+      ->add_option(
+          "--method", given->method,
+          "whitted: light from lights, mirrors and glass; radiosity: all diffuse light, mirrors and glass on top")
+      ->check(CLI::IsMember({"whitted", "radiosity"}))
+      ->capture_default_str();
   command->add_option("--engine", given->engine, "How paths are run; the pictures agree, with --strict to the bit")
       ->check(CLI::IsMember({"wavefront", "megakernel"}))
       ->capture_default_str();
@@ -276,6 +321,7 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_flag("--json", given->json, "Print statistics as JSON on stdout");
   command->add_option("--trace", given->trace, "Write a timeline in Chrome's trace format");
   command->add_option("--dump-kernels", given->dump_kernels, "Write the flattened kernel sources to this folder");
+  add_radiosity_options(*command, given->radiosity);
   command->footer(kExamples);
   command->callback([given, tree, &exit_code] {
     given->has_tree = tree->count() > 0;

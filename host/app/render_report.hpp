@@ -29,6 +29,7 @@ struct RenderFacts {
   double first_pixel_s = 0.0;  ///< process start to the end of the first pass
   double total_s = 0.0;        ///< process start to the statistics
   std::vector<std::string> notes;
+  std::string radiosity;  ///< JSON of the solution shown; empty: none
 };
 
 std::string report_table(const RenderFacts& facts, const RenderStatistics& statistics);

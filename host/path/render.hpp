@@ -13,6 +13,7 @@
 #include "host/gpu/context.hpp"
 #include "host/path/engine.hpp"
 #include "host/path/tile_queue.hpp"
+#include "host/scene/flat_scene.hpp"
 #include "host/scene/instancing.hpp"
 #include "host/scene/scene.hpp"
 
@@ -31,6 +32,8 @@ struct RenderOptions {
   /// Shadow rays leave smooth-shaded triangles from the surface that their normals tell of (kernels/lib/terminator.h).
   bool smooth_terminator = true;
   AccelOptions accel;
+  /// The scene as patches lit by a radiosity solution: traced in place of the scene's own surfaces and lights.
+  const FlatScene* patches = nullptr;
   std::optional<RayGrouping> rays;                ///< how the wavefront traces them; none: what pays (wave_tracing.hpp)
   Instancing instancing = Instancing::automatic;  ///< in trees of cells there are no instances
 

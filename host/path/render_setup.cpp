@@ -43,8 +43,11 @@ RenderSetup::RenderSetup(const Scene& scene_given, const RenderOptions& options_
   check_range("--depth", depth, 0, kMaxDepth);
   pixels = static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(height);
   const double start = steady_ms();
-  flat = flatten_scene(scene, options.accel.kind == AccelKind::bvh ? options.instancing : Instancing::never);
+  flat = options.patches != nullptr
+             ? *options.patches
+             : flatten_scene(scene, options.accel.kind == AccelKind::bvh ? options.instancing : Instancing::never);
   features = features_of(scene, flat, depth);
+  if (options.patches != nullptr) features &= ~HR_FEATURE_AMBIENT;  // it is in the solution
   flatten_ms = steady_ms() - start;
 }
 

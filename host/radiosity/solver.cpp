@@ -82,6 +82,7 @@ class System {
   }
 
   [[nodiscard]] std::vector<Real4<Real>> radiosity() const { return radiosity_.read(); }
+  [[nodiscard]] std::vector<Real4<Real>> incident() const { return incident_.read(); }
   [[nodiscard]] std::vector<Real4<Real>> residual() const { return residual_.read(); }
 
  private:
@@ -161,6 +162,10 @@ Solution solve(Context& context, const PatchMesh& mesh, const FactorMatrix& matr
     } else {
       system.gauss_seidel(options.group);
     }
+  }
+  for (const Real4<Real>& h : system.incident()) {
+    solution.irradiance.push_back(
+        {static_cast<double>(h.v[0]), static_cast<double>(h.v[1]), static_cast<double>(h.v[2])});
   }
   return solution;
 }

@@ -36,7 +36,8 @@ struct SolveStep {
 };
 
 struct Solution {
-  std::vector<std::array<double, 3>> radiosity;  ///< B of the sides, rgb [W/m^2]
+  std::vector<std::array<double, 3>> radiosity;   ///< B of the sides, rgb [W/m^2]
+  std::vector<std::array<double, 3>> irradiance;  ///< H, what arrives on the sides from others, rgb [W/m^2]
   std::vector<double> bounds;  ///< of each side's error, all colours [W/m^2]: |B* - B|_i <= bounds[i], B* solving the
                                ///< system with these factors
   std::vector<SolveStep> history;

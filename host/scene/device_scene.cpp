@@ -41,6 +41,7 @@ std::uint64_t predict_scene_bytes(const FlatScene& flat, std::uint32_t features)
          bytes_of(flat.materials) + if_on(HR_FEATURE_TRIANGLES, bytes_of(flat.triangle_objects)) +
          if_on(HR_FEATURE_SMOOTH_NORMALS, bytes_of(flat.normals)) +
          if_on(HR_FEATURE_VERTEX_COLORS, bytes_of(flat.colors)) + if_on(HR_FEATURE_PLANES, bytes_of(flat.planes)) +
+         if_on(HR_FEATURE_RADIOSITY, bytes_of(flat.patch_light)) +
          if_on(HR_FEATURE_IMPLICITS, bytes_of(flat.tapes) + sizeof(std::uint32_t)) +
          if_on(HR_FEATURE_INSTANCES, bytes_of(flat.instances)) + if_on(HR_FEATURE_LIGHTS, bytes_of(flat.lights)) +
          if_on(HR_FEATURE_EMITTERS, bytes_of(flat.emitters)) +
@@ -72,6 +73,7 @@ DeviceScene::DeviceScene(Context& context, const FlatScene& flat, std::uint32_t 
   uvs_ = upload_if(textured, context, "uvs", flat.uvs);
   colors_ = upload_if(has(HR_FEATURE_VERTEX_COLORS), context, "colors", flat.colors);
   tapes_ = upload_if(has(HR_FEATURE_IMPLICITS), context, "tapes", flat.tapes);
+  patch_light_ = upload_if(has(HR_FEATURE_RADIOSITY), context, "patch_light", flat.patch_light);
   uncertain_roots_ =
       upload_if(has(HR_FEATURE_IMPLICITS), context, "uncertain_roots", std::vector<std::uint32_t>(1, 0U));
   planes_ = upload_if(has(HR_FEATURE_PLANES), context, "planes", flat.planes);

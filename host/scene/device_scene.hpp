@@ -63,6 +63,7 @@ class DeviceScene {
   Buffer<shared::Sphere> spheres_;
   Buffer<shared::Shape> shapes_;
   Buffer<shared::uint4> tapes_;
+  Buffer<shared::float4> patch_light_;
   Buffer<std::uint32_t> uncertain_roots_;
   Buffer<shared::Plane> planes_;
   Buffer<shared::Material> materials_;

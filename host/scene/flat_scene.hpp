@@ -31,6 +31,9 @@ struct FlatScene {
   std::vector<shared::Sphere> spheres;
   std::vector<shared::Shape> shapes;
   std::vector<shared::uint4> tapes;  ///< of implicit shapes, one behind the other
+  /// Of patches lit by a radiosity solution (host/radiosity/display.hpp), 6 a triangle: irradiance [W/m^2], rgb, at the
+  /// three corners of its front, then of its back; else empty.
+  std::vector<shared::float4> patch_light;
   std::vector<shared::Plane> planes;
   std::vector<shared::Material> materials;
   std::vector<shared::Light> lights;

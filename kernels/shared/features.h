@@ -32,12 +32,13 @@
 #define HR_FEATURE_INSTANCES (1u << 24) /* meshes that copies share, each with a tree of its own */
 #define HR_FEATURE_SHAPES (1u << 25)    /* disks, cylinders, cones, quadrics */
 #define HR_FEATURE_IMPLICITS (1u << 26) /* shapes that are implicit polynomial surfaces */
-#define HR_FEATURE_COUNT 27
+#define HR_FEATURE_RADIOSITY (1u << 27) /* patches, lit by a radiosity solution */
+#define HR_FEATURE_COUNT 28
 
 #ifndef __cplusplus
 
 #ifndef HR_FEATURES
-#define HR_FEATURES 0x7ffffffu
+#define HR_FEATURES 0xfffffffu
 #endif
 
 #define HR_HAS(feature) ((HR_FEATURES & HR_FEATURE_##feature) != 0)
@@ -123,6 +124,11 @@
 #define HR_IF_IMPLICITS(x) x
 #else
 #define HR_IF_IMPLICITS(x)
+#endif
+#if HR_HAS(RADIOSITY)
+#define HR_IF_RADIOSITY(x) x
+#else
+#define HR_IF_RADIOSITY(x)
 #endif
 
 #endif

@@ -1,0 +1,32 @@
+// The options of radiosity that `render --method radiosity` and `solve` share, and what is printed about a solution.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/radiosity/radiosity.hpp"
+
+namespace hemiray::app {
+
+struct RadiosityArguments {
+  std::uint32_t patches = 4000, resolution = 64, points = 1, iterations = 1000, seed = 0;
+  double edge = 0.0, chord = 0.0, tolerance = 1e-4, seconds = 0.0, crease = 20.0;
+  std::string solver = "gauss-seidel", display = "smooth", cells = "turned";
+  std::vector<CLI::Option*> given;  ///< all of them: to tell whether one was used
+};
+
+void add_radiosity_options(CLI::App& command, RadiosityArguments& arguments);
+
+/// Throws InputError for values out of range.
+RadiosityOptions to_radiosity_options(const RadiosityArguments& arguments);
+DisplayOptions to_display_options(const RadiosityArguments& arguments);
+
+/// A few lines: mesh, form factors, solution, times.
+std::string radiosity_table(const Radiosity& radiosity);
+/// The same as a JSON object, with the convergence history.
+std::string radiosity_json(const Radiosity& radiosity);
+
+}  // namespace hemiray::app
