@@ -60,6 +60,7 @@ int run(int argc, char** argv) {
   hemiray::app::add_devices_command(app, exit_code);
   hemiray::app::add_bench_command(app, exit_code);
   hemiray::app::add_solve_command(app, exit_code);
+  hemiray::app::add_view_factors_command(app, exit_code);
   hemiray::app::add_tune_command(app, exit_code);
   hemiray::app::add_stability_command(app, exit_code);
   try {

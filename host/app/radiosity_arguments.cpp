@@ -18,14 +18,15 @@ std::uint32_t divisions_of(std::uint32_t points) {
   throw InputError("--points", fmt::format("{} points a patch cannot be had; take a square from 1 to 256", points));
 }
 
+CLI::Option* add_to_group(RadiosityArguments& a, CLI::Option* option) {
+  a.given.push_back(option);
+  return option->group("Radiosity");
+}
+
 }  // namespace
 
-void add_radiosity_options(CLI::App& command, RadiosityArguments& a) {
-  const auto add = [&](auto* option) {
-    option->group("Radiosity");
-    a.given.push_back(option);
-    return option;
-  };
+void add_mesh_options(CLI::App& command, RadiosityArguments& a) {
+  const auto add = [&a](CLI::Option* option) { return add_to_group(a, option); };
   add(command.add_option("--patches", a.patches, "Patches, at most"))->capture_default_str();
   add(command.add_option("--edge", a.edge, "Longest edge of a patch [m], in place of --patches"));
   add(command.add_option(
@@ -39,6 +40,11 @@ void add_radiosity_options(CLI::App& command, RadiosityArguments& a) {
                          "way, or through random points of them"))
       ->check(CLI::IsMember({"aligned", "turned", "jittered"}))
       ->capture_default_str();
+}
+
+void add_radiosity_options(CLI::App& command, RadiosityArguments& a) {
+  add_mesh_options(command, a);
+  const auto add = [&a](CLI::Option* option) { return add_to_group(a, option); };
   add(command.add_option("--solver", a.solver, "How the system is solved"))
       ->check(CLI::IsMember({"jacobi", "gauss-seidel"}))
       ->capture_default_str();

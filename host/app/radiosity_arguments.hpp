@@ -18,6 +18,9 @@ struct RadiosityArguments {
   std::vector<CLI::Option*> given;  ///< all of them: to tell whether one was used
 };
 
+/// Those of mesh and form factors.
+void add_mesh_options(CLI::App& command, RadiosityArguments& arguments);
+/// These, and those of solution and display.
 void add_radiosity_options(CLI::App& command, RadiosityArguments& arguments);
 
 /// Throws InputError for values out of range.

@@ -20,23 +20,21 @@ double face_corner(double y, double z) {
 
 }  // namespace
 
-std::vector<float> hemicube_cells(std::uint32_t resolution) {
+std::vector<double> hemicube_cells(std::uint32_t resolution) {
   const double step = 2.0 / resolution;
   const auto across = [step](std::uint32_t i) { return i * step - 1.0; };
-  std::vector<float> cells;
+  std::vector<double> cells;
   cells.reserve(std::size_t{resolution} * resolution * 3 / 2);
   for (std::uint32_t y = 0; y < resolution; y++) {
     for (std::uint32_t x = 0; x < resolution; x++) {
       const double x0 = across(x), x1 = across(x + 1), y0 = across(y), y1 = across(y + 1);
-      cells.push_back(
-          static_cast<float>(top_corner(x1, y1) - top_corner(x0, y1) - top_corner(x1, y0) + top_corner(x0, y0)));
+      cells.push_back(top_corner(x1, y1) - top_corner(x0, y1) - top_corner(x1, y0) + top_corner(x0, y0));
     }
   }
   for (std::uint32_t z = 0; z < resolution / 2; z++) {
     for (std::uint32_t y = 0; y < resolution; y++) {
       const double y0 = across(y), y1 = across(y + 1), z0 = z * step, z1 = (z + 1) * step;
-      cells.push_back(
-          static_cast<float>(face_corner(y1, z1) - face_corner(y0, z1) - face_corner(y1, z0) + face_corner(y0, z0)));
+      cells.push_back(face_corner(y1, z1) - face_corner(y0, z1) - face_corner(y1, z0) + face_corner(y0, z0));
     }
   }
   return cells;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -53,14 +54,17 @@ Hemicubes::Hemicubes(Context& context, Parallel& parallel, AccelBuilder& builder
       normals_(context, "patch normals", std::span(mesh.normals)),
       reached_(context, "sides reached", mesh.side_count()) {
   check_hemicube_options(options);
-  const std::vector<float> delta = hemicube_cells(options.resolution);
-  delta_ = Buffer<float>(context, "hemicube cells", std::span(delta));
+  std::vector<std::uint32_t> delta;
+  for (const double cell : hemicube_cells(options.resolution)) {
+    delta.push_back(static_cast<std::uint32_t>(std::llround(std::ldexp(cell, HR_CELL_UNITS_LOG2))));
+  }
+  delta_ = Buffer<std::uint32_t>(context, "hemicube cells", std::span<const std::uint32_t>(delta));
   reached_.clear();
-  const std::uint64_t row_bytes = std::uint64_t{mesh.side_count()} * sizeof(float);
+  const std::uint64_t row_bytes = std::uint64_t{mesh.side_count()} * sizeof(std::uint64_t);
   const std::uint64_t most =
       std::max<std::uint64_t>(1, std::min(kSumBytes, context.device().max_allocation_bytes) / row_bytes);
   items_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(most, context.profile().chunks));
-  sums_ = Buffer<float>(context, "dense rows", std::size_t{items_} * mesh.side_count());
+  sums_ = Buffer<std::uint64_t>(context, "dense rows", std::size_t{items_} * mesh.side_count());
   sums_.clear();
 }
 
@@ -75,7 +79,8 @@ std::uint32_t Hemicubes::rows_a_batch() const {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(rows, kMostRowsABatch));
 }
 
-void Hemicubes::add_rows(std::span<const std::uint32_t> sides, FactorMatrix& matrix) {
+void Hemicubes::add_rows(std::span<const std::uint32_t> sides, FactorMatrix& matrix,
+                         const std::function<bool(std::uint64_t)>& on_batch) {
   matrix.side_count = mesh_->side_count();
   const std::uint32_t batch = rows_a_batch();
   const std::uint32_t tile_height = accel_.config().has_packets()
@@ -118,6 +123,7 @@ void Hemicubes::add_rows(std::span<const std::uint32_t> sides, FactorMatrix& mat
            arguments(arg("seen", seen_), arg("sums", sums_), arg("starts", block.starts), arg("delta", delta_),
                      arg("columns", block.columns), arg("values", block.values), arg("cube", cube)));
     matrix.blocks.push_back(std::move(block));
+    if (on_batch && !on_batch(first + part.size())) return;
   }
 }
 

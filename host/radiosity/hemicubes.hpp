@@ -32,7 +32,9 @@ class Hemicubes {
             const HemicubeOptions& options);
 
   /// Rows of these sides, as further blocks of `matrix`.
-  void add_rows(std::span<const std::uint32_t> sides, FactorMatrix& matrix);
+  /// `on_batch` gets the rows done; returning false ends it early.
+  void add_rows(std::span<const std::uint32_t> sides, FactorMatrix& matrix,
+                const std::function<bool(std::uint64_t)>& on_batch = {});
 
   /// Rows of all sides that light from `sources` can reach: those that emit, what they see, what that sees. A face is
   /// taken whole, so that no patch of it stays out for being missed by every ray. `on_progress` gets rows done and
@@ -56,9 +58,9 @@ class Hemicubes {
   Accel accel_;
   Program trace_, rows_;
   Buffer<shared::float4> normals_;
-  Buffer<float> delta_;
+  Buffer<std::uint32_t> delta_;  ///< of cells, in units of 2^-HR_CELL_UNITS_LOG2
   Buffer<std::uint32_t> seen_, reached_;
-  Buffer<float> sums_;
+  Buffer<std::uint64_t> sums_;
   std::uint32_t items_;  ///< of the kernels that sum rows
   std::uint64_t rays_ = 0;
 };

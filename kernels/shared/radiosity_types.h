@@ -8,6 +8,9 @@ HR_SHARED_BEGIN
 
 #define HR_NO_SIDE 0xffffffffu
 
+// Cells' form factors are summed as integers, 2^36 to 1: exactly, in whatever order.
+#define HR_CELL_UNITS_LOG2 36
+
 // How hemicubes are laid over sides. A cube has a top of n x n cells and four side faces of n x n / 2. Its cells are
 // numbered: top y n + x; then the faces +t, -t, +b, -b of the frame (t, b, normal), each z n + along.
 typedef struct HemicubeParams {

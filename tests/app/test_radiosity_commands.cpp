@@ -1,0 +1,133 @@
+// `hemiray solve`, `view-factors` and `render --method radiosity` as a user runs them.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <fstream>
+
+#include "host/base/exr.hpp"
+#include "host/scene/load.hpp"
+#include "tests/app/small_scenes.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temp_folder.hpp"
+
+using namespace hemiray;
+using namespace hemiray::test;
+
+namespace {
+
+const std::string kCornellBox = HR_SOURCE_DIR "/scenes/cornell_box.json";
+
+// Red, green and blue of the beauty layer at a pixel.
+std::array<float, 3> pixel(const Image& image, int x, int y) {
+  const Layer& beauty = *image.find("");
+  const std::size_t channels = beauty.channels.size();
+  const float* p =
+      &beauty.data[(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)) *
+                   channels];
+  return {p[0], p[1], p[2]};
+}
+
+constexpr const char* kCube = R"(v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1
+v 1 0 1
+v 1 1 1
+v 0 1 1
+g bottom
+f 1 2 3 4
+g top
+f 8 7 6 5
+g sides
+f 1 5 6 2
+f 4 3 7 8
+f 1 4 8 5
+f 2 6 7 3
+)";
+
+}  // namespace
+
+TEST_CASE("solve writes a glTF file that loads again, and tells how it converged") {
+  const TempFolder folder;
+  const std::string glb = (folder / "cornell.glb").string();
+  const ProgramResult result =
+      run_program({"solve", kCornellBox, "-o", glb, "--patches", "500", "--resolution", "16", "--json"});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(result.err.empty());
+  const auto json = nlohmann::json::parse(result.out);
+  CHECK(json["patches"].get<int>() <= 500);
+  CHECK(json["converged"] == true);
+  const auto& history = json["history"];
+  REQUIRE(history.size() > 2);
+  CHECK(history.back()["bound"].get<double>() < 1e-4 * json["largest_radiosity"].get<double>());
+  CHECK(history.back()["residual"].get<double>() < history.front()["residual"].get<double>());
+  const Scene scene = load_scene(glb);
+  REQUIRE(scene.meshes.size() == 1);
+  CHECK(scene.meshes[0].triangles.size() == json["rows"].get<std::size_t>());
+  CHECK(scene.meshes[0].colors.size() == 3 * scene.meshes[0].triangles.size());
+}
+
+TEST_CASE("render --method radiosity shows colours bleeding, and nothing of it without") {
+  const TempFolder folder;
+  const std::string lit = (folder / "a.exr").string(), direct = (folder / "b.exr").string();
+  const ProgramResult result = run_program({"render", kCornellBox, "-o", lit, "--method", "radiosity", "--patches",
+                                            "800", "--resolution", "16", "--size", "32x32", "--spp", "1", "--json"});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  CHECK(nlohmann::json::parse(result.out)["radiosity"]["converged"] == true);
+  REQUIRE(run_program({"render", kCornellBox, "-o", direct, "--size", "32x32", "--spp", "1"}).exit_code == 0);
+  // The ceiling beside the red wall and beside the green one.
+  const auto redness = [](const std::string& file, int x) {
+    const auto colour = pixel(read_exr(file), x, 3);
+    return colour[0] / colour[1];
+  };
+  CHECK(redness(lit, 4) > 1.05F * redness(lit, 27));
+  CHECK(std::abs(redness(direct, 4) / redness(direct, 27) - 1.0F) < 1e-3F);
+}
+
+TEST_CASE("view-factors gives areas their factors in every format") {
+  const TempFolder folder;
+  const std::string cube = folder.write("cube.obj", kCube).string(), csv = (folder / "F.csv").string(),
+                    vf = (folder / "F.vf").string(), vs3 = (folder / "c.vs3").string();
+  const ProgramResult result =
+      run_program({"view-factors", cube, "-o", csv, "--patches", "800", "--json", "--view3d-input", vs3});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  const auto json = nlohmann::json::parse(result.out);
+  CHECK(json["names"] == std::vector<std::string>{"bottom", "top", "sides"});
+  CHECK(std::abs(json["factors"][0][1].get<double>() - 0.199824896) < 5e-4);
+  CHECK(std::abs(json["factors"][2][0].get<double>() - 0.200043776) < 5e-4);
+  for (const auto& sum : json["row_sums"]) CHECK(std::abs(sum.get<double>() - 1.0) < 1e-6);
+  std::ifstream stream(csv);
+  std::string line;
+  std::getline(stream, line);
+  CHECK(line == "from,to,area_m2,factor,reciprocity_error");
+  CHECK(std::filesystem::file_size(vs3) > 1000);
+  const ProgramResult table = run_program({"view-factors", cube, "-o", vf, "--patches", "12"});
+  CHECK(table.exit_code == 0);
+  CHECK_THAT(table.out, Catch::Contains("bottom") && Catch::Contains("sum"));
+}
+
+TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and nothing is written") {
+  const TempFolder folder;
+  const std::string out = (folder / "a.exr").string(), glb = (folder / "a.glb").string();
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"render", kCornellBox, "-o", out, "--patches", "5"}, "--method radiosity"},
+      {{"solve", kCornellBox, "-o", out}, ".glb"},
+      {{"solve", kCornellBox, "-o", glb, "--points", "3"}, "--points"},
+      {{"solve", kCornellBox, "-o", glb, "--resolution", "9"}, "even"},
+      {{"solve", kCornellBox, "-o", glb, "--tolerance", "nan"}, "--tolerance"},
+      {{"solve", kCornellBox, "-o", glb, "--patches", "0"}, "--patches"},
+      {{"view-factors", kCornellBox, "-o", glb}, ".csv"},
+  };
+  for (const auto& [arguments, said] : cases) {
+    const ProgramResult result = run_program(arguments);
+    INFO(result.err);
+    CHECK(result.exit_code == 2);
+    CHECK_THAT(result.err, Catch::Contains(said));
+    CHECK(listing(folder.path()).empty());
+  }
+}
