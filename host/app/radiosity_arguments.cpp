@@ -31,7 +31,7 @@ void add_mesh_options(CLI::App& command, RadiosityArguments& a) {
   add(command.add_option("--edge", a.edge, "Longest edge of a patch [m], in place of --patches"));
   add(command.add_option(
       "--chord", a.chord,
-      "Largest distance of a tessellated sphere from the true one [m] (default: 1 % of its radius)"));
+      "Largest distance of a tessellated round surface from the true one [m] (default: 1 % of its radius)"));
   add(command.add_option("--resolution", a.resolution, "Cells along an edge of a hemicube, even, 8 to 1024"))
       ->capture_default_str();
   add(command.add_option("--points", a.points, "Hemicubes a patch: a square from 1 to 256"))->capture_default_str();

@@ -11,5 +11,6 @@ using Vec4 = glm::vec4;
 using UVec3 = glm::uvec3;
 using DVec3 = glm::dvec3;
 using DMat4 = glm::dmat4;
+using DMat3 = glm::dmat3;
 
 }  // namespace hemiray

@@ -12,11 +12,12 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/radiosity/round_surface.hpp"
 
 namespace hemiray {
 namespace {
 
-constexpr double kDefaultChord = 0.01;  // of a sphere's radius
+constexpr double kDefaultChord = 0.01;  // of a round surface's radius
 constexpr std::uint32_t kMostPatches = 1U << 22U;
 
 Vec3 position_of(const FlatScene& flat, std::uint32_t vertex) {
@@ -24,17 +25,17 @@ Vec3 position_of(const FlatScene& flat, std::uint32_t vertex) {
   return {p[0], p[1], p[2]};
 }
 
-// Where new vertices of a sphere go.
-struct Ball {
-  DVec3 center;
-  double radius;
-};
-
 // A triangle's corners while it is cut: places decide, so that both sides of an edge decide alike.
 struct Corner {
   Vec3 position;
   std::uint32_t vertex = 0;  // of what is written, or of nothing while counting
 };
+
+// The radius in the world, of something that is no ball any more its largest.
+double size_of(const RoundSurface& round) {
+  const DMat3& m = round.to_world;
+  return round.radius * std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+}
 
 struct Targets {
   double edge_m;
@@ -46,68 +47,55 @@ double length2(const Vec3& a, const Vec3& b) {
   return glm::dot(d, d);
 }
 
-Vec3 middle_of(const Vec3& a, const Vec3& b, const Ball* ball) {
-  const DVec3 middle = 0.5 * (DVec3(a) + DVec3(b));
-  if (ball == nullptr) return Vec3(middle);
-  const DVec3 out = middle - ball->center;
-  return Vec3(ball->center + out * (ball->radius / glm::length(out)));
+Vec3 middle_of(const Vec3& a, const Vec3& b, const RoundSurface* round) {
+  return Vec3(round == nullptr ? 0.5 * (DVec3(a) + DVec3(b)) : round->halfway(DVec3(a), DVec3(b)));
 }
 
-bool is_too_long(double edge2, const Ball* ball, const Targets& targets) {
-  if (edge2 > targets.edge_m * targets.edge_m) return true;
-  if (ball == nullptr) return false;
-  // A triangle inscribed in the ball lies below its surface by at most about edge^2 / (6 r).
-  return edge2 > 6.0 * ball->radius * targets.chord_m;
+bool is_too_long(const Vec3& a, const Vec3& b, const RoundSurface* round, const Targets& targets) {
+  if (length2(a, b) > targets.edge_m * targets.edge_m) return true;
+  if (round == nullptr) return false;
+  // A triangle of three such edges lies below its surface by up to edge^2 / (6 r), its edges by edge^2 / (8 r).
+  const DVec3 arrow = round->halfway(DVec3(a), DVec3(b)) - 0.5 * (DVec3(a) + DVec3(b));
+  return glm::length(arrow) * 4.0 / 3.0 > targets.chord_m;
 }
 
 // Longest-edge bisection (Rivara 1984): an edge is halved if and only if it is too long, whoever looks at it, so there
-// are no T-junctions, and no angle falls below half of the smallest one. `split` tells of a new vertex, `leaf` takes
-// what is small enough.
+// are no T-junctions; of a flat triangle no angle falls below half of the smallest one. `split` tells of a new vertex,
+// `leaf` takes what is small enough.
 template <typename Split, typename Leaf>
-void bisect(std::array<Corner, 3> t, const Ball* ball, const Targets& targets, const Split& split, const Leaf& leaf) {
-  const std::array<double, 3> edges = {length2(t[0].position, t[1].position), length2(t[1].position, t[2].position),
-                                       length2(t[2].position, t[0].position)};
-  const auto longest = static_cast<std::size_t>(std::max_element(edges.begin(), edges.end()) - edges.begin());
-  if (!is_too_long(edges[longest], ball, targets)) {
+void bisect(std::array<Corner, 3> t, const RoundSurface* round, const Targets& targets, const Split& split,
+            const Leaf& leaf) {
+  std::size_t longest = 3;
+  double longest2 = -1.0;
+  for (std::size_t i = 0; i < 3; i++) {
+    const Vec3 &a = t[i].position, &b = t[(i + 1) % 3].position;
+    if (length2(a, b) > longest2 && is_too_long(a, b, round, targets)) {
+      longest = i;
+      longest2 = length2(a, b);
+    }
+  }
+  if (longest == 3) {
     leaf(t);
     return;
   }
   const Corner &a = t[longest], &b = t[(longest + 1) % 3], &c = t[(longest + 2) % 3];
-  Corner middle{middle_of(a.position, b.position, ball), 0};
+  Corner middle{middle_of(a.position, b.position, round), 0};
   if (middle.position == a.position || middle.position == b.position) {  // no float lies between
     leaf(t);
     return;
   }
   middle.vertex = split(a, b, middle.position);
-  bisect({a, middle, c}, ball, targets, split, leaf);
-  bisect({middle, b, c}, ball, targets, split, leaf);
+  bisect({a, middle, c}, round, targets, split, leaf);
+  bisect({middle, b, c}, round, targets, split, leaf);
 }
 
 // What the scene's surfaces are before they are cut.
 struct Face {
   std::array<std::uint32_t, 3> vertices;  // of the mesh that is written
   std::uint32_t material, object, face;
-  const Ball* ball;
+  const RoundSurface* round;  // or null
+  bool flat;                  // lies in a plane, even if its rim is round
 };
-
-// The twenty triangles of an icosahedron, outward.
-constexpr double kGolden = std::numbers::phi;
-constexpr std::array<std::array<double, 3>, 12> kIcosahedron = {{{-1, kGolden, 0},
-                                                                 {1, kGolden, 0},
-                                                                 {-1, -kGolden, 0},
-                                                                 {1, -kGolden, 0},
-                                                                 {0, -1, kGolden},
-                                                                 {0, 1, kGolden},
-                                                                 {0, -1, -kGolden},
-                                                                 {0, 1, -kGolden},
-                                                                 {kGolden, 0, -1},
-                                                                 {kGolden, 0, 1},
-                                                                 {-kGolden, 0, -1},
-                                                                 {-kGolden, 0, 1}}};
-constexpr std::array<std::array<std::uint32_t, 3>, 20> kIcosahedronFaces = {
-    {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-     {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-     {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
 
 class Mesher {
  public:
@@ -115,18 +103,20 @@ class Mesher {
     if (!from.planes.empty()) {
       throw InputError("radiosity", "the scene has an unbounded plane, which has no patches; use a quad in its place");
     }
-    if (!from.shapes.empty()) {
-      throw InputError("radiosity",
-                       "the scene has disks, cylinders, cones, quadrics or implicit surfaces, which are not "
-                       "cut into patches; give them as meshes");
+    for (const shared::Shape& shape : from.shapes) {
+      if (shape.kind != HR_SHAPE_QUADRIC && shape.kind != HR_SHAPE_IMPLICIT) continue;
+      throw InputError(
+          "radiosity",
+          "the scene has a quadric or an implicit surface, which is not cut into patches; give it as a mesh");
     }
     take_attributes();
     for (std::size_t i = 0; i < from.triangles.size(); i++) {
       const shared::uint4 t = from.triangles[i];
-      faces_.push_back({{t.x, t.y, t.z}, t.w, from.triangle_objects[i], face_count_++, nullptr});
+      faces_.push_back({{t.x, t.y, t.z}, t.w, from.triangle_objects[i], face_count_++, nullptr, true});
     }
-    balls_.reserve(from.spheres.size());
-    for (const shared::Sphere& sphere : from.spheres) add_sphere(sphere);
+    round_.reserve(from.spheres.size() + from.shapes.size());
+    for (const shared::Sphere& s : from.spheres) add_round(round_sphere(s), nullptr, s.material, s.object);
+    for (const shared::Shape& s : from.shapes) add_round(round_shape(s), &s, s.material, s.object);
     if (faces_.empty()) throw InputError("radiosity", "the scene has no surface that could be cut into patches");
   }
 
@@ -152,7 +142,8 @@ class Mesher {
     to.materials = from_.materials;
     to.textures = from_.textures;
     to.texels = from_.texels;
-    if (!from_.spheres.empty() && to.normals.empty()) to.normals.resize(to.positions.size(), 0.0F);
+    if ((!from_.spheres.empty() || !from_.shapes.empty()) && to.normals.empty())
+      to.normals.resize(to.positions.size(), 0.0F);
   }
 
   std::uint32_t append(const Vec3& p, const Vec3& normal) {
@@ -165,24 +156,28 @@ class Mesher {
     return index;
   }
 
-  void add_sphere(const shared::Sphere& sphere) {
-    const DVec3 center(sphere.center_radius.x, sphere.center_radius.y, sphere.center_radius.z);
-    balls_.push_back({center, sphere.center_radius.w});
-    const Ball* ball = &balls_.back();
-    std::array<std::uint32_t, 12> vertex{};
-    for (std::size_t i = 0; i < vertex.size(); i++) {
-      const DVec3 out = glm::normalize(DVec3(kIcosahedron[i][0], kIcosahedron[i][1], kIcosahedron[i][2]));
-      vertex[i] = append(Vec3(center + ball->radius * out), Vec3(out));
+  // Each part is one face: all of it is reached by light, or nothing.
+  void add_round(const RoundSurface& surface, const shared::Shape* shape, std::uint32_t material,
+                 std::uint32_t object) {
+    round_.push_back(surface);
+    const RoundSurface* round = &round_.back();
+    std::map<std::array<float, 3>, std::uint32_t> side, caps;  // vertices of the one have normals
+    for (const RoundFace& f : round_faces(surface, shape)) {
+      Face face{{}, material, object, face_count_ + (f.flat ? 1U : 0U), round, f.flat};
+      for (std::size_t i = 0; i < 3; i++) {
+        const Vec3 p(f.corners[i]);
+        const auto [found, is_new] = (f.flat ? caps : side).try_emplace({p.x, p.y, p.z}, 0U);
+        if (is_new) found->second = append(p, f.flat ? Vec3(0.0F) : Vec3(round->normal(f.corners[i])));
+        face.vertices[i] = found->second;
+      }
+      faces_.push_back(face);
     }
-    for (const auto& f : kIcosahedronFaces) {
-      faces_.push_back({{vertex[f[0]], vertex[f[1]], vertex[f[2]]}, sphere.material, sphere.object, face_count_, ball});
-    }
-    face_count_++;  // one face: all of it is reached or nothing
+    face_count_ += 2;
   }
 
   [[nodiscard]] Targets targets_for(const Face& face, double edge_m) const {
-    if (face.ball == nullptr) return {edge_m, 0.0};
-    return {edge_m, options_.chord_m > 0.0 ? options_.chord_m : kDefaultChord * face.ball->radius};
+    if (face.round == nullptr) return {edge_m, 0.0};
+    return {edge_m, options_.chord_m > 0.0 ? options_.chord_m : kDefaultChord * size_of(*face.round)};
   }
 
   [[nodiscard]] std::array<Corner, 3> corners_of(const Face& face) const {
@@ -199,7 +194,7 @@ class Mesher {
           length2(position_of(mesh_.flat, face.vertices[0]), position_of(mesh_.flat, face.vertices[1]));
       if (size2 / (edge_m * edge_m) > 4.0 * static_cast<double>(most)) return most + 1;
       bisect(
-          corners_of(face), face.ball, targets_for(face, edge_m),
+          corners_of(face), face.round, targets_for(face, edge_m),
           [](const Corner&, const Corner&, const Vec3&) { return 0U; },
           [&patches](const std::array<Corner, 3>&) { patches++; });
       if (patches > most) return most + 1;
@@ -227,14 +222,14 @@ class Mesher {
   }
 
   // The vertex halfway between two, made once.
-  std::uint32_t halfway(std::uint32_t a, std::uint32_t b, const Vec3& place, const Ball* ball) {
+  std::uint32_t halfway(std::uint32_t a, std::uint32_t b, const Vec3& place, const RoundSurface* round) {
     const std::pair<std::uint32_t, std::uint32_t> key = std::minmax(a, b);
     const auto found = halves_.find(key);
     if (found != halves_.end()) return found->second;
     FlatScene& to = mesh_.flat;
     Vec3 normal(0.0F);
-    if (ball != nullptr) {
-      normal = Vec3(glm::normalize(DVec3(place) - ball->center));
+    if (round != nullptr) {
+      normal = Vec3(round->normal(DVec3(place)));
     } else if (!to.normals.empty()) {
       const float *na = &to.normals[std::size_t{3} * a], *nb = &to.normals[std::size_t{3} * b];
       const Vec3 va(na[0], na[1], na[2]), vb(nb[0], nb[1], nb[2]);
@@ -256,9 +251,9 @@ class Mesher {
   void cut(double edge_m) {
     for (const Face& face : faces_) {
       const auto split = [&](const Corner& a, const Corner& b, const Vec3& place) {
-        return halfway(a.vertex, b.vertex, place, face.ball);
+        return halfway(a.vertex, b.vertex, place, face.flat ? nullptr : face.round);
       };
-      bisect(corners_of(face), face.ball, targets_for(face, edge_m), split,
+      bisect(corners_of(face), face.round, targets_for(face, edge_m), split,
              [&](const std::array<Corner, 3>& t) { add_patch(t, face); });
     }
   }
@@ -276,16 +271,20 @@ class Mesher {
     for (std::size_t i = 0; i < 3; i++) {
       mesh_.edge_m = std::max(mesh_.edge_m, std::sqrt(length2(t[i].position, t[(i + 1) % 3].position)));
     }
-    if (face.ball == nullptr) return;
-    const double inside = face.ball->radius - std::abs(glm::dot(a - face.ball->center, cross / twice));
-    mesh_.chord_m = std::max(mesh_.chord_m, inside);
+    if (face.round == nullptr) return;
+    // Of a cap only what its rim leaves out.
+    for (std::size_t i = 0; i < 3 && face.flat; i++) {
+      const DVec3 p(t[i].position), q(t[(i + 1) % 3].position);
+      mesh_.chord_m = std::max(mesh_.chord_m, glm::length(face.round->halfway(p, q) - 0.5 * (p + q)));
+    }
+    if (!face.flat) mesh_.chord_m = std::max(mesh_.chord_m, face.round->distance((a + b + c) / 3.0));
   }
 
   const FlatScene& from_;
   const PatchOptions& options_;
   PatchMesh mesh_;
   std::vector<Face> faces_;
-  std::vector<Ball> balls_;
+  std::vector<RoundSurface> round_;
   std::uint32_t face_count_ = 0;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> halves_;
 };

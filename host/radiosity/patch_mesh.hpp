@@ -15,7 +15,8 @@ namespace hemiray {
 struct PatchOptions {
   double edge_m = 0.0;           ///< target length of edges [m]; 0: as short as `patches` allows
   std::uint32_t patches = 4000;  ///< budget, if there is no target: at most so many, unless the scene itself has more
-  double chord_m = 0.0;  ///< largest distance of a tessellated sphere from the true one [m]; 0: 1 % of its radius
+  double chord_m = 0.0;  ///< largest distance of a tessellated round surface from the true one [m]; 0: 1 % of its
+                         ///< radius
 };
 
 /// Side 2 i is the front of triangle i of `flat`, side 2 i + 1 its back.
