@@ -109,7 +109,7 @@ void Hemicubes::add_rows(std::span<const std::uint32_t> sides, FactorMatrix& mat
     cube.side_count = mesh_->side_count();
     const std::uint64_t cubes = std::uint64_t{block.row_count} * options_.divisions * options_.divisions;
     launch(*context_, trace_.kernel("radiosity_trace_hemicubes"), cubes * tiles,
-           arguments(scene_.shading_arguments(), accel_.tree_arguments(), arg("normals", normals_),
+           arguments(scene_.shading_arguments(), accel_.tree_arguments(), arg("patch_normals", normals_),
                      arg("rows", block.rows), arg("seen", seen_), arg("cube", cube), arg("params", params)));
     rays_ += block.row_count * cells();
     launch(*context_, rows_.kernel("radiosity_count_row"), items_,

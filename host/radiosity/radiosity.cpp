@@ -37,8 +37,8 @@ std::vector<shared::float4> direct_light(Context& context, AccelBuilder& builder
   shared::RenderParams params = query_params(scene);
   params.light_count = scene.light_count();
   launch(context, program.kernel("radiosity_add_direct"), mesh.side_count(),
-         arguments(scene.shading_arguments(), accel.tree_arguments(), arg("normals", normals), arg("direct", direct),
-                   arg("count", mesh.side_count()), arg("params", params)));
+         arguments(scene.shading_arguments(), accel.tree_arguments(), arg("patch_normals", normals),
+                   arg("direct", direct), arg("count", mesh.side_count()), arg("params", params)));
   return direct.read();
 }
 

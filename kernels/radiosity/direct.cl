@@ -10,13 +10,13 @@
 
 // direct[side] = irradiance [W/m^2], rgb, w = 0: the mean over the middles of the triangle's four congruent parts.
 // Launch: count items, one a side.
-kernel void radiosity_add_direct(HR_SCENE_PARAMETERS global const float4* restrict normals,
+kernel void radiosity_add_direct(HR_SCENE_PARAMETERS global const float4* restrict patch_normals,
                                  global float4* restrict direct, const uint count, const RenderParams params) {
   const uint side = (uint)get_global_id(0);
   if (side >= count) return;
   HR_MAKE_SCENE_VIEW(params)
   const TriangleGeometry g = load_triangle(&view, side / 2);
-  const real3 normal = param3(normals[side / 2]) * (side & 1u ? -REAL(1.0) : REAL(1.0));
+  const real3 normal = param3(patch_normals[side / 2]) * (side & 1u ? -REAL(1.0) : REAL(1.0));
   real3 sum = (real3)(0);
   for (uint i = 0; i < HR_DIRECT_POINTS; i++) {
     // Of the vertices: the three corner parts, then the middle one.

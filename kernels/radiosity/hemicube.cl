@@ -79,10 +79,10 @@ static inline real3 cell_direction(const Hemicube* h, const HemicubeParams* cube
 }
 
 // seen[(row samples + sample) cells + cell] = the side that the ray through the cell of the hemicube over sample point
-// `sample` of side rows[row] meets first, or HR_NO_SIDE. `normals`: of the triangles, to the front. Launch: one item a
-// tile, a hemicube's tiles one after the other.
+// `sample` of side rows[row] meets first, or HR_NO_SIDE. `patch_normals`: of the triangles, to the front. Launch: one
+// item a tile, a hemicube's tiles one after the other.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_trace_hemicubes(
-    HR_SCENE_PARAMETERS global const float4* restrict normals, global const uint* restrict rows,
+    HR_SCENE_PARAMETERS global const float4* restrict patch_normals, global const uint* restrict rows,
     global uint* restrict seen, const HemicubeParams cube, const RenderParams params) {
   const uint n = cube.resolution;
   const uint top_tiles = tiles_of(n, n), face_tiles = tiles_of(n, n / 2), tiles = top_tiles + 4 * face_tiles;
@@ -118,7 +118,7 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity
     const Skip skip = {side / 2, 1, 0};
     const uint met = traverse_closest(&view, &ray, &skip).primitive;
     uint result = HR_NO_SIDE;
-    if (met != HR_NO_PRIMITIVE) result = 2 * met + (dot3(direction, param3(normals[met])) < 0 ? 0u : 1u);
+    if (met != HR_NO_PRIMITIVE) result = 2 * met + (dot3(direction, param3(patch_normals[met])) < 0 ? 0u : 1u);
     out[y * n + x] = result;
 #endif
   }
@@ -131,7 +131,7 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity
     const uint met = packet_hit(&packet, i).primitive;
     uint result = HR_NO_SIDE;
     if (met != HR_NO_PRIMITIVE) {
-      const float4 normal = normals[met];
+      const float4 normal = patch_normals[met];
       const float cosine = ((const float*)packet.dx)[i] * normal.x + ((const float*)packet.dy)[i] * normal.y +
                            ((const float*)packet.dz)[i] * normal.z;
       result = 2 * met + (cosine < 0 ? 0u : 1u);
