@@ -10,6 +10,7 @@
 namespace hemiray {
 namespace {
 
+constexpr std::uint32_t kDirectPoints = 4;  // HR_DIRECT_POINTS of radiosity/direct.cl
 constexpr std::uint32_t kLightFeatures = HR_FEATURE_LIGHTS | HR_FEATURE_POINT_LIGHTS | HR_FEATURE_DIRECTIONAL_LIGHTS |
                                          HR_FEATURE_SPOT_LIGHTS | HR_FEATURE_AREA_LIGHTS;
 
@@ -33,13 +34,21 @@ std::vector<shared::float4> direct_light(Context& context, AccelBuilder& builder
   const Accel accel(builder, scene);
   Program program(context, "direct light", {"radiosity/direct.cl"}, accel.program_options(scene.features(), false));
   const Buffer<shared::float4> normals(context, "patch normals", std::span(mesh.normals));
-  const Buffer<shared::float4> direct(context, "direct light", mesh.side_count());
+  const Buffer<shared::float4> direct(context, "direct light", std::size_t{kDirectPoints} * mesh.side_count());
   shared::RenderParams params = query_params(scene);
   params.light_count = scene.light_count();
-  launch(context, program.kernel("radiosity_add_direct"), mesh.side_count(),
+  launch(context, program.kernel("radiosity_add_direct"), direct.size(),
          arguments(scene.shading_arguments(), accel.tree_arguments(), arg("patch_normals", normals),
                    arg("direct", direct), arg("count", mesh.side_count()), arg("params", params)));
-  return direct.read();
+  const std::vector<shared::float4> points = direct.read();
+  std::vector<shared::float4> means(mesh.side_count());
+  for (std::size_t i = 0; i < points.size(); i++) {
+    shared::float4& mean = means[i / kDirectPoints];
+    mean.x += points[i].x / kDirectPoints;
+    mean.y += points[i].y / kDirectPoints;
+    mean.z += points[i].z / kDirectPoints;
+  }
+  return means;
 }
 
 std::array<double, 3> rgb(const shared::float4& v) {
