@@ -29,8 +29,10 @@ kernel void radiosity_dot(global const real4* restrict x, global const real4* re
 }
 
 // y = a x + b y, columns apart. Launch: count items.
-kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_combine(
-    const real4 a, global const real4* x, const real4 b, global real4* y, const uint count) {
+kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_combine(const real4 a,
+                                                                                         global const real4* x,
+                                                                                         const real4 b, global real4* y,
+                                                                                         const uint count) {
   const uint s = (uint)get_global_id(0);
   if (s >= count) return;
   y[s] = a * x[s] + b * y[s];
