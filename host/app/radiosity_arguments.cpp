@@ -11,6 +11,9 @@
 namespace hemiray::app {
 namespace {
 
+constexpr std::uint32_t kMostResidualSamples = 1U << 24U;
+constexpr double kMebibyte = 1 << 20;
+
 std::uint32_t divisions_of(std::uint32_t points) {
   for (std::uint32_t d = 1; d <= 16; d++) {
     if (d * d == points) return d;
@@ -45,8 +48,21 @@ void add_mesh_options(CLI::App& command, RadiosityArguments& a) {
 void add_radiosity_options(CLI::App& command, RadiosityArguments& a) {
   add_mesh_options(command, a);
   const auto add = [&a](CLI::Option* option) { return add_to_group(a, option); };
-  add(command.add_option("--solver", a.solver, "How the system is solved"))
-      ->check(CLI::IsMember({"jacobi", "gauss-seidel"}))
+  add(command.add_option("--solver", a.solver,
+                         "How the system is solved; auto: cg where form factors are symmetric, else gmres, and "
+                         "southwell where they do not fit in memory"))
+      ->check(CLI::IsMember({"auto", "jacobi", "gauss-seidel", "southwell", "cg", "gmres"}))
+      ->capture_default_str();
+  add(command.add_option("--shots", a.shots, "Sides that southwell shoots an iteration, 1 to 256"))
+      ->capture_default_str();
+  add(command.add_option("--pick", a.pick, "What southwell shoots first: most unshot power, or most radiosity"))
+      ->check(CLI::IsMember({"power", "residual"}))
+      ->capture_default_str();
+  add(command.add_option("--factor-memory", a.factor_mib,
+                         "Memory for form factors [MiB], beyond which they are computed on demand (default: three "
+                         "quarters of what the device has free)"));
+  add(command.add_option("--residual-samples", a.residual_samples,
+                         "Random points at which the equation of light is tried on the solution; 0: none"))
       ->capture_default_str();
   add(command.add_option("--tolerance", a.tolerance,
                          "Error of the solution that is proven before it stops, relative to the largest radiosity"))
@@ -72,6 +88,7 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a) {
   positive("--chord", a.chord, true);
   positive("--tolerance", a.tolerance, false);
   positive("--time", a.seconds, true);
+  positive("--factor-memory", a.factor_mib, true);
   if (a.patches == 0) throw InputError("--patches", "0 patches show nothing; give how many there may be");
   RadiosityOptions options;
   options.mesh = {a.edge, a.patches, a.chord};
@@ -81,7 +98,21 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a) {
   options.hemicube.jittered = a.cells == "jittered";
   options.hemicube.seed = a.seed;
   check_hemicube_options(options.hemicube);
-  options.solve.kind = a.solver == "jacobi" ? SolverKind::jacobi : SolverKind::gauss_seidel;
+  for (const SolverKind kind : {SolverKind::automatic, SolverKind::jacobi, SolverKind::gauss_seidel,
+                                SolverKind::southwell, SolverKind::cg, SolverKind::gmres}) {
+    if (a.solver == to_string(kind)) options.solve.kind = kind;
+  }
+  if (a.shots < 1 || a.shots > 256) {
+    throw InputError("--shots", fmt::format("{} shots an iteration cannot be had; take 1 to 256", a.shots));
+  }
+  if (a.residual_samples == 1 || a.residual_samples > kMostResidualSamples) {
+    throw InputError("--residual-samples", fmt::format("{} points cannot be had; take 0, or 2 to {}",
+                                                       a.residual_samples, kMostResidualSamples));
+  }
+  options.solve.shots = a.shots;
+  options.solve.pick = a.pick == "power" ? ShotPick::power : ShotPick::residual;
+  options.factor_bytes = static_cast<std::uint64_t>(std::llround(a.factor_mib * kMebibyte));
+  options.residual_samples = a.residual_samples;
   options.solve.tolerance = a.tolerance;
   options.solve.iterations = a.iterations;
   options.solve.seconds = a.seconds;
@@ -97,12 +128,30 @@ std::string radiosity_table(const Radiosity& r) {
   text += fmt::format("mesh          {} patches of edges up to {:.3g} m{}, {:.0f} ms\n", r.mesh.patch_count(),
                       r.mesh.edge_m,
                       r.mesh.chord_m > 0.0 ? fmt::format(", tessellated to {:.2g} m", r.mesh.chord_m) : "", s.mesh_ms);
-  text += fmt::format("form factors  {} rows, {} entries in {}; {} rays, {:.2f} s, {:.1f} Mrays/s\n", s.rows, s.entries,
-                      format_bytes(s.factor_bytes), s.rays, 1e-3 * s.factors_ms,
-                      1e-3 * static_cast<double>(s.rays) / std::max(s.factors_ms, 1e-9));
-  text += fmt::format("solution      {} iterations, {:.2f} s; no radiosity off by more than {:.3g} of {:.4g} W/m^2{}\n",
-                      r.solution.history.size() - 1, 1e-3 * s.solve_ms, last.bound, r.solution.largest,
-                      r.solution.converged ? "" : " (not converged)");
+  if (r.solution.on_demand) {
+    text += fmt::format("form factors  {} expected, {} allowed: {} rows computed on demand, {} rays\n",
+                        format_bytes(s.expected_factor_bytes), format_bytes(s.factor_limit), s.rows, s.rays);
+  } else {
+    text += fmt::format("form factors  {} rows, {} entries in {}; {} rays, {:.2f} s, {:.1f} Mrays/s\n", s.rows,
+                        s.entries, format_bytes(s.factor_bytes), s.rays, 1e-3 * s.factors_ms,
+                        1e-3 * static_cast<double>(s.rays) / std::max(s.factors_ms, 1e-9));
+  }
+  text += fmt::format(
+      "solution      {}{}, {} iterations, {:.2f} s; no radiosity off by more than {:.3g} of {:.4g} "
+      "W/m^2{}\n",
+      to_string(r.solution.kind), r.solution.why.empty() ? "" : " (" + r.solution.why + ")", last.iteration,
+      1e-3 * s.solve_ms, last.bound, r.solution.largest, r.solution.converged ? "" : " (not converged)");
+  if (!r.solution.converged && r.solution.unshot_w > 0.0) {
+    text += fmt::format("unshot        {:.4g} W, shown as {:.3g}, {:.3g}, {:.3g} W/m^2 on all that is lit\n",
+                        r.solution.unshot_w, r.solution.ambient[0], r.solution.ambient[1], r.solution.ambient[2]);
+  }
+  if (r.continuous.samples > 0) {
+    const ContinuousResidual& c = r.continuous;
+    text += fmt::format(
+        "mesh          leaves {:.3g} W/m^2 ({:.3g} to {:.3g}, 95 %) of {:.4g}, root mean squares at {} "
+        "points\n",
+        c.rms, c.rms_low, c.rms_high, c.radiosity_rms, c.samples);
+  }
   text += fmt::format("power         {:.6g} W sent, {:.6g} W absorbed\n", s.emitted_w, s.absorbed_w);
   return text;
 }
@@ -124,10 +173,26 @@ std::string radiosity_json(const Radiosity& r) {
   json["peak_bytes"] = s.peak_bytes;
   json["emitted_w"] = s.emitted_w;
   json["absorbed_w"] = s.absorbed_w;
+  json["factor_bytes_at_most"] = s.factor_bytes_at_most;
+  json["expected_factor_bytes"] = s.expected_factor_bytes;
+  json["factor_limit_bytes"] = s.factor_limit;
+  json["solver"] = to_string(r.solution.kind);
+  json["solver_why"] = r.solution.why;
+  json["on_demand"] = r.solution.on_demand;
+  json["unshot_w"] = r.solution.unshot_w;
+  json["ambient"] = r.solution.ambient;
+  if (r.continuous.samples > 0) {
+    const ContinuousResidual& c = r.continuous;
+    json["continuous_residual"] = {
+        {"samples", c.samples},         {"rays", c.rays},         {"rms", c.rms},
+        {"rms_low", c.rms_low},         {"rms_high", c.rms_high}, {"radiosity_rms", c.radiosity_rms},
+        {"milliseconds", s.residual_ms}};
+  }
   json["converged"] = r.solution.converged;
   json["largest_radiosity"] = r.solution.largest;
   for (const SolveStep& step : r.solution.history) {
     nlohmann::ordered_json one;
+    one["iteration"] = step.iteration;
     one["residual"] = step.residual;
     if (std::isfinite(step.bound)) {
       one["bound"] = step.bound;

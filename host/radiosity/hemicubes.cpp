@@ -122,6 +122,8 @@ void Hemicubes::add_rows(std::span<const std::uint32_t> sides, FactorMatrix& mat
     launch(*context_, rows_.kernel("radiosity_emit_row"), items_,
            arguments(arg("seen", seen_), arg("sums", sums_), arg("starts", block.starts), arg("delta", delta_),
                      arg("columns", block.columns), arg("values", block.values), arg("cube", cube)));
+    rows_made_ += block.row_count;
+    entries_ += block.entries;
     matrix.blocks.push_back(std::move(block));
     if (on_batch && !on_batch(first + part.size())) return;
   }

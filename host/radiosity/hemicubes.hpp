@@ -38,11 +38,13 @@ class Hemicubes {
 
   /// Rows of all sides that light from `sources` can reach: those that emit, what they see, what that sees. A face is
   /// taken whole, so that no patch of it stays out for being missed by every ray. `on_progress` gets rows done and
-  /// known to come; returning false ends it early.
+  /// known to be wanted, those among them; returning false ends it early.
   FactorMatrix rows_reached_from(std::span<const std::uint32_t> sources,
                                  const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress = {});
 
   [[nodiscard]] std::uint64_t rays_traced() const { return rays_; }
+  [[nodiscard]] std::uint64_t rows_made() const { return rows_made_; }
+  [[nodiscard]] std::uint64_t entries_made() const { return entries_; }
   [[nodiscard]] const DeviceScene& scene() const { return scene_; }
   [[nodiscard]] const Accel& accel() const { return accel_; }
 
@@ -62,7 +64,7 @@ class Hemicubes {
   Buffer<std::uint32_t> seen_, reached_;
   Buffer<std::uint64_t> sums_;
   std::uint32_t items_;  ///< of the kernels that sum rows
-  std::uint64_t rays_ = 0;
+  std::uint64_t rays_ = 0, rows_made_ = 0, entries_ = 0;
 };
 
 }  // namespace hemiray

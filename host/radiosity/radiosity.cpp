@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "host/base/clock.hpp"
+#include "host/base/error.hpp"
+#include "host/base/numbers.hpp"
 #include "host/bvh/ray_queries.hpp"
+#include "host/radiosity/factor_memory.hpp"
 #include "host/scene/features.hpp"
 
 namespace hemiray {
@@ -55,6 +60,44 @@ std::array<double, 3> rgb(const shared::float4& v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
 }
 
+// All rows that light reaches; or none, where they would take more than their memory.
+FactorMatrix stored_factors(Context& context, Hemicubes& hemicubes, const PatchMesh& mesh,
+                            const std::vector<std::uint32_t>& sources, const RadiosityOptions& options,
+                            RadiosityStatistics& statistics) {
+  statistics.factor_limit = options.factor_bytes > 0 ? options.factor_bytes : factor_memory_limit(context);
+  statistics.factor_bytes_at_most = most_factor_bytes(mesh, options.hemicube);
+  FactorMatrix matrix = hemicubes.rows_reached_from(sources, [&](std::uint64_t done, std::uint64_t known) {
+    statistics.expected_factor_bytes = expected_factor_bytes(hemicubes.entries_made(), done, known);
+    if (statistics.expected_factor_bytes > statistics.factor_limit) return false;
+    const bool go_on = !options.on_progress ||
+                       options.on_progress("form factors", static_cast<double>(done) / static_cast<double>(known));
+    statistics.interrupted |= !go_on;
+    return go_on;
+  });
+  context.finish();  // before rows go
+  if (statistics.expected_factor_bytes <= statistics.factor_limit) return matrix;
+  if (options.solve.kind != SolverKind::automatic && options.solve.kind != SolverKind::southwell) {
+    throw InputError(
+        "radiosity",
+        fmt::format("the form factors need {}, and {} may be taken; {} keeps them: take --solver southwell, "
+                    "which computes rows when it needs them, fewer patches, or more --factor-memory",
+                    format_bytes(statistics.expected_factor_bytes), format_bytes(statistics.factor_limit),
+                    to_string(options.solve.kind)));
+  }
+  FactorMatrix none;
+  none.side_count = mesh.side_count();
+  return none;
+}
+
+Solution solve_on_demand(Context& context, Hemicubes& hemicubes, const PatchMesh& mesh, const SolveOptions& options) {
+  const RowsOnDemand rows = [&hemicubes](std::span<const std::uint32_t> sides) {
+    FactorMatrix some;
+    hemicubes.add_rows(sides, some);
+    return some;
+  };
+  return solve_radiosity_on_demand(context, mesh, rows, options);
+}
+
 }  // namespace
 
 Radiosity compute_radiosity(Context& context, const FlatScene& flat, const RadiosityOptions& options) {
@@ -84,31 +127,40 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   context.finish();
   statistics.tree_ms = lap();
 
-  const FactorMatrix matrix = hemicubes.rows_reached_from(sources, [&](std::uint64_t done, std::uint64_t left) {
-    const bool go_on =
-        !options.on_progress ||
-        options.on_progress("form factors", static_cast<double>(done) / static_cast<double>(done + left));
-    statistics.interrupted |= !go_on;
-    return go_on;
-  });
+  const FactorMatrix matrix = stored_factors(context, hemicubes, mesh, sources, options, statistics);
+  const bool on_demand = statistics.expected_factor_bytes > statistics.factor_limit;
   context.finish();
   statistics.factors_ms = lap();
-  statistics.rays = hemicubes.rays_traced();
-  statistics.rows = matrix.rows();
-  statistics.entries = matrix.entries();
   statistics.factor_bytes = matrix.bytes();
+  statistics.entries = matrix.entries();
+  statistics.rows = matrix.rows();
 
-  result.solution = solve_radiosity(context, mesh, matrix, options.solve);
+  if (on_demand) {
+    const std::uint64_t rows = hemicubes.rows_made(), entries = hemicubes.entries_made();
+    result.solution = solve_on_demand(context, hemicubes, mesh, options.solve);
+    statistics.rows = hemicubes.rows_made() - rows;
+    statistics.entries = hemicubes.entries_made() - entries;
+  } else {
+    result.solution = solve_radiosity(context, mesh, matrix, options.solve);
+  }
+  statistics.rays = hemicubes.rays_traced();
   statistics.solve_ms = lap();
   result.irradiance = result.solution.irradiance;
   for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
     const auto area = static_cast<double>(mesh.normals[s / 2].w);
     const std::array<double, 3> rho = rgb(mesh.reflectance[s]), e = rgb(own_emission[s]), d = rgb(direct[s]);
+    const bool is_lit = std::ranges::any_of(result.solution.irradiance[s], [](double h) { return h > 0.0; });
     for (std::size_t c = 0; c < 3; c++) {
       result.irradiance[s][c] += d[c];
       statistics.emitted_w += area * (e[c] + d[c]);
       statistics.absorbed_w += area * (1.0 - rho[c]) * result.irradiance[s][c];
+      if (is_lit) result.irradiance[s][c] += result.solution.ambient[c];
     }
+  }
+  if (options.residual_samples > 0) {
+    result.continuous = find_continuous_residual(context, hemicubes, mesh, result.solution.radiosity,
+                                                 options.residual_samples, options.hemicube.seed);
+    statistics.residual_ms = lap();
   }
   statistics.peak_bytes = context.peak_bytes();
   return result;

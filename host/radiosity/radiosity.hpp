@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/radiosity/continuous_residual.hpp"
 #include "host/radiosity/display.hpp"
 #include "host/radiosity/hemicubes.hpp"
 #include "host/radiosity/patch_mesh.hpp"
@@ -18,30 +19,40 @@ struct RadiosityOptions {
   PatchOptions mesh;
   HemicubeOptions hemicube;
   SolveOptions solve;
+  std::uint64_t factor_bytes = 0;         ///< for form factors, at most; 0: most of what is free on the device
+  std::uint32_t residual_samples = 4096;  ///< points at which the equation of light is tried; 0: none
   std::function<bool(const std::string& step, double fraction)> on_progress;  ///< returning false ends the step early
 };
 
 struct RadiosityStatistics {
   double mesh_ms = 0.0, tree_ms = 0.0, factors_ms = 0.0, solve_ms = 0.0;
   std::uint64_t rays = 0;     ///< through cells of hemicubes
-  std::uint64_t rows = 0;     ///< sides that light comes to
-  std::uint64_t entries = 0;  ///< factors that are not zero
+  std::uint64_t rows = 0;     ///< sides that light comes to, or rows computed on demand
+  std::uint64_t entries = 0;  ///< factors that are not zero, in them
   std::uint64_t factor_bytes = 0, peak_bytes = 0;
-  double emitted_w = 0.0;   ///< power that sources send and lights bring, all colours
-  double absorbed_w = 0.0;  ///< power that surfaces take
+  std::uint64_t factor_limit = 0;           ///< for factors, bytes
+  std::uint64_t factor_bytes_at_most = 0;   ///< bound before any row was known
+  std::uint64_t expected_factor_bytes = 0;  ///< last, from the rows known and to come
+  double emitted_w = 0.0;                   ///< power that sources send and lights bring, all colours
+  double absorbed_w = 0.0;                  ///< power that surfaces take
+  double residual_ms = 0.0;
   bool interrupted = false;
 };
 
 struct Radiosity {
   PatchMesh mesh;
   Solution solution;
-  std::vector<std::array<double, 3>> irradiance;  ///< of the sides, from other patches and from lights, rgb [W/m^2]
+  /// Of the sides, from other patches and from lights, rgb [W/m^2]; with the ambient term where light is unshot.
+  std::vector<std::array<double, 3>> irradiance;
+  ContinuousResidual continuous;
   RadiosityStatistics statistics;
 };
 
 /// Meshes the scene, computes form factors for all sides that light reaches, and solves. Lights that are no surfaces
-/// come in as rho times the irradiance they bring. Throws InputError for what cannot be meshed or solved, DeviceError
-/// if the device fails or is too small.
+/// come in as rho times the irradiance they bring. Where the factors would take more than their memory, which is known
+/// from the first rows before the others are computed, southwell solves without a matrix; InputError if another solver
+/// is asked for. Throws InputError for what cannot be meshed or solved, DeviceError if the device fails or is too
+/// small.
 Radiosity compute_radiosity(Context& context, const FlatScene& flat, const RadiosityOptions& options);
 
 }  // namespace hemiray

@@ -2,180 +2,159 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "host/base/clock.hpp"
 #include "host/base/error.hpp"
-#include "host/gpu/program.hpp"
+#include "host/radiosity/solve_bound.hpp"
+#include "host/radiosity/solve_checks.hpp"
+#include "host/radiosity/solve_method.hpp"
 
 namespace hemiray {
 namespace {
 
-// Four columns of the device's `real`.
-template <typename Real>
-struct alignas(4 * sizeof(Real)) Real4 {
-  Real v[4];
-};
+// To know the bound costs about what an iteration does. So the steps that are judged move apart: this is the share of
+// the iterations by which the end may be overshot.
+constexpr std::uint32_t kJudgedShare = 4;
 
-template <typename Real>
-class System {
- public:
-  System(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix)
-      : context_(context),
-        matrix_(matrix),
-        count_(mesh.side_count()),
-        program_(context, "radiosity", {"radiosity/solve.cl"}, program_options()),
-        emission_(context, "emission", std::span(mesh.emission)),
-        reflectance_(context, "reflectance", std::span(mesh.reflectance)),
-        transmittance_(context, "transmittance", std::span(mesh.transmittance)),
-        radiosity_(context, "radiosity", count_),
-        incident_(context, "incident", count_),
-        residual_(context, "residual", count_),
-        own_(context, "own factors", count_) {
-    incident_.clear();
-    own_.clear();
-    std::vector<Real4<Real>> start(count_);
-    for (std::uint32_t s = 0; s < count_; s++) {
-      const shared::float4& e = mesh.emission[s];
-      start[s] = {{Real(e.x), Real(e.y), Real(e.z), Real(e.w)}};
+std::uint32_t next_judged(std::uint32_t iteration) { return iteration + std::max(1U, iteration / kJudgedShare); }
+
+// What light that is still to be shot will bring on average (Cohen et al. 1988): it is reflected again and again with
+// the mean reflectance of what light reaches.
+void add_ambient(const PatchMesh& mesh, const SolverState& state, Solution& solution) {
+  std::array<double, 3> unshot_w{}, reflected{};
+  double area = 0.0;
+  for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
+    if (state.reached[s] == 0) continue;
+    const auto a = static_cast<double>(mesh.normals[s / 2].w);
+    const shared::float4& rho = mesh.reflectance[s];
+    const std::array<float, 3> rgb = {rho.x, rho.y, rho.z};
+    for (std::size_t c = 0; c < 3; c++) {
+      unshot_w[c] += a * state.residual[s][c];
+      reflected[c] += a * static_cast<double>(rgb[c]);
     }
-    radiosity_.write(start);
-    for (const FactorBlock& block : matrix.blocks) {
-      launch(context, program_.kernel("radiosity_find_own"), block.row_count,
-             arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                       arg("values", block.values), arg("row_count", block.row_count), arg("own", own_)));
-    }
+    area += a;
   }
-
-  void gather(const FactorBlock& block, std::uint32_t first, std::uint32_t count) {
-    launch(context_, program_.kernel("radiosity_gather"), count,
-           arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                     arg("values", block.values), arg("first", first), arg("count", count),
-                     arg("radiosity", radiosity_), arg("incident", incident_)));
+  for (std::size_t c = 0; c < 3 && area > 0.0; c++) {
+    solution.unshot_w += unshot_w[c];
+    if (!solution.converged) solution.ambient[c] = unshot_w[c] / area / (1.0 - reflected[c] / area);
   }
-
-  // residual = E + rho H(B) + tau H' - B.
-  void find_residual() {
-    for (const FactorBlock& block : matrix_.blocks) gather(block, 0, block.row_count);
-    launch(context_, program_.kernel("radiosity_residual"), count_,
-           arguments(materials(), arg("incident", incident_), arg("radiosity", radiosity_), arg("count", count_),
-                     arg("residual", residual_)));
-  }
-
-  void jacobi() {
-    launch(context_, program_.kernel("radiosity_add"), count_,
-           arguments(arg("y", radiosity_), arg("x", residual_), arg("a", 1.0F), arg("count", count_)));
-  }
-
-  void gauss_seidel(std::uint32_t group) {
-    for (const FactorBlock& block : matrix_.blocks) {
-      for (std::uint32_t first = 0; first < block.row_count; first += group) {
-        const std::uint32_t count = std::min(group, block.row_count - first);
-        gather(block, first, count);
-        launch(context_, program_.kernel("radiosity_relax"), count,
-               arguments(arg("rows", block.rows), arg("first", first), arg("count", count), materials(),
-                         arg("incident", incident_), arg("own", own_), arg("radiosity", radiosity_)));
-      }
-    }
-  }
-
-  [[nodiscard]] std::vector<Real4<Real>> radiosity() const { return radiosity_.read(); }
-  [[nodiscard]] std::vector<Real4<Real>> incident() const { return incident_.read(); }
-  [[nodiscard]] std::vector<Real4<Real>> residual() const { return residual_.read(); }
-
- private:
-  static ProgramOptions program_options() {
-    ProgramOptions options;
-    options.double_precision = sizeof(Real) == sizeof(double);
-    return options;
-  }
-  [[nodiscard]] Arguments materials() const {
-    return arguments(arg("emission", emission_), arg("reflectance", reflectance_),
-                     arg("transmittance", transmittance_));
-  }
-
-  Context& context_;
-  const FactorMatrix& matrix_;
-  std::uint32_t count_;
-  Program program_;
-  Buffer<shared::float4> emission_, reflectance_, transmittance_;
-  Buffer<Real4<Real>> radiosity_, incident_, residual_;
-  Buffer<float> own_;
-};
-
-// What the sums of a residual may be rounded by, per unit of E + rho H + B: a row has at most that many terms.
-template <typename Real>
-double rounding_of(const FactorMatrix& matrix) {
-  const double unit = 0.5 * static_cast<double>(std::numeric_limits<Real>::epsilon());
-  return (static_cast<double>(matrix.side_count) + 6.0) * unit;
 }
 
-template <typename Real>
-void judge(const PatchMesh& mesh, const FactorMatrix& matrix, const std::vector<Real4<Real>>& radiosity,
-           const std::vector<Real4<Real>>& residual, Solution& solution) {
-  const double rounding = rounding_of<Real>(matrix);
-  double largest_residual = 0.0, ratio = 0.0, largest = 0.0;
-  for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
-    const double slack_w = rounding * (2.0 * static_cast<double>(radiosity[s].v[3]) + 1.0);
-    const double margin = 1.0 - static_cast<double>(residual[s].v[3]) - slack_w;  // s = (I - rho F) w
-    double r = 0.0;
-    for (int c = 0; c < 3; c++) {
-      const auto b = static_cast<double>(radiosity[s].v[c]);
-      largest = std::max(largest, b);
-      r = std::max(r, std::abs(static_cast<double>(residual[s].v[c])) + rounding * 2.0 * b);
-    }
-    largest_residual = std::max(largest_residual, r);
-    ratio = margin > 0.0 ? std::max(ratio, r / margin) : std::numeric_limits<double>::infinity();
-    if (!std::isfinite(ratio)) break;
-  }
-  double bound = 0.0;
-  solution.bounds.resize(mesh.side_count());
-  solution.radiosity.resize(mesh.side_count());
-  for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
-    const Real* b = radiosity[s].v;
-    solution.radiosity[s] = {static_cast<double>(b[0]), static_cast<double>(b[1]), static_cast<double>(b[2])};
-    solution.bounds[s] = static_cast<double>(b[3]) * ratio;
-    bound = std::max(bound, solution.bounds[s]);
-  }
-  solution.largest = largest;
-  solution.history.push_back({largest_residual, bound, 0.0});
-}
-
-template <typename Real>
-Solution solve(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix, const SolveOptions& options) {
-  System<Real> system(context, mesh, matrix);
+Solution iterate(const PatchMesh& mesh, SolveMethod& method, const SolveOptions& options) {
   Solution solution;
+  solution.kind = options.kind;
   const double start = steady_ms();
-  for (std::uint32_t iteration = 0;; iteration++) {
-    system.find_residual();
-    judge<Real>(mesh, matrix, system.radiosity(), system.residual(), solution);
-    SolveStep& step = solution.history.back();
-    step.seconds = 1e-3 * (steady_ms() - start);
+  const auto seconds = [start] { return 1e-3 * (steady_ms() - start); };
+  SolveBound bound;
+  SolverState state;
+  bool ended = false;
+  for (std::uint32_t iteration = 0;;) {
+    state = method.state();
+    SolveStep step = bound.judge(state);
+    step.iteration = iteration;
+    step.seconds = seconds();
+    solution.history.push_back(step);
+    solution.largest = 0.0;
+    for (const auto& b : state.radiosity) solution.largest = std::max({solution.largest, b[0], b[1], b[2]});
     solution.converged = step.bound <= options.tolerance * solution.largest;
-    if (options.on_iteration && !options.on_iteration(iteration, step.bound)) break;
-    if (solution.converged || iteration == options.iterations) break;
-    if (options.seconds > 0.0 && step.seconds >= options.seconds) break;
-    if (options.kind == SolverKind::jacobi) {
-      system.jacobi();
-    } else {
-      system.gauss_seidel(options.group);
+    if (solution.converged || ended || iteration == options.iterations) break;
+    const std::uint32_t until = std::min(next_judged(iteration), options.iterations);
+    while (iteration < until && !ended) {
+      ended = (options.on_iteration && !options.on_iteration(iteration, step.bound)) ||
+              (options.seconds > 0.0 && seconds() >= options.seconds);
+      if (ended) break;
+      method.step();
+      iteration++;
     }
+    if (ended && iteration == step.iteration) break;  // as judged
   }
-  for (const Real4<Real>& h : system.incident()) {
-    solution.irradiance.push_back(
-        {static_cast<double>(h.v[0]), static_cast<double>(h.v[1]), static_cast<double>(h.v[2])});
-  }
+  solution.irradiance = method.irradiance();
+  solution.bounds = bound.of_sides();
+  for (const auto& b : state.radiosity) solution.radiosity.push_back({b[0], b[1], b[2]});
+  if (method.is_progressive()) add_ambient(mesh, state, solution);
   return solution;
+}
+
+// Which solver, and why.
+struct Choice {
+  SolverKind kind;
+  std::string why;
+  double asymmetry = 0.0;
+};
+
+Choice choose(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix, SolverKind asked) {
+  if (asked != SolverKind::automatic && asked != SolverKind::cg) return {asked, ""};
+  const bool must = asked == SolverKind::cg;
+  if (is_translucent(mesh)) {
+    if (must) {
+      throw InputError("radiosity", "conjugate gradients need opaque sides, and some are translucent; take gmres");
+    }
+    return {SolverKind::gmres, "sides are translucent"};
+  }
+  const double asymmetry = find_asymmetry(context, mesh, matrix, kSymmetric);
+  if (asymmetry <= kSymmetric) return {SolverKind::cg, must ? "" : "form factors are symmetric", asymmetry};
+  if (must) {
+    throw InputError("radiosity",
+                     fmt::format("conjugate gradients need symmetric form factors, A_i F_ij = A_j F_ji, and these are "
+                                 "apart by {:.2g} of the largest ({:.0e} is allowed); enforce symmetry or take gmres",
+                                 asymmetry, kSymmetric));
+  }
+  return {SolverKind::gmres, "form factors are not symmetric", asymmetry};
 }
 
 }  // namespace
 
+const char* to_string(SolverKind kind) {
+  switch (kind) {
+    case SolverKind::automatic:
+      return "auto";
+    case SolverKind::jacobi:
+      return "jacobi";
+    case SolverKind::gauss_seidel:
+      return "gauss-seidel";
+    case SolverKind::southwell:
+      return "southwell";
+    case SolverKind::cg:
+      return "cg";
+    case SolverKind::gmres:
+      return "gmres";
+  }
+  return "";
+}
+
 Solution solve_radiosity(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix,
                          const SolveOptions& options) {
-  if (context.device().has_fp64) return solve<double>(context, mesh, matrix, options);
-  return solve<float>(context, mesh, matrix, options);
+  check_solver_input(mesh, options);
+  check_rows(context, mesh, matrix);
+  const Choice choice = choose(context, mesh, matrix, options.kind);
+  SolveOptions chosen = options;
+  chosen.kind = choice.kind;
+  std::unique_ptr<SolveMethod> method;
+  if (chosen.kind == SolverKind::southwell) {
+    method = make_shooting(context, mesh, &matrix, {}, chosen);
+  } else if (chosen.kind == SolverKind::cg || chosen.kind == SolverKind::gmres) {
+    method = make_krylov(context, mesh, matrix, chosen);
+  } else {
+    method = make_relaxation(context, mesh, matrix, chosen);
+  }
+  Solution solution = iterate(mesh, *method, chosen);
+  solution.why = choice.why;
+  solution.asymmetry = choice.asymmetry;
+  return solution;
+}
+
+Solution solve_radiosity_on_demand(Context& context, const PatchMesh& mesh, const RowsOnDemand& rows,
+                                   const SolveOptions& options) {
+  check_solver_input(mesh, options);
+  SolveOptions chosen = options;
+  chosen.kind = SolverKind::southwell;
+  const std::unique_ptr<SolveMethod> method = make_shooting(context, mesh, nullptr, rows, chosen);
+  Solution solution = iterate(mesh, *method, chosen);
+  solution.on_demand = true;
+  if (options.kind == SolverKind::automatic) solution.why = "it needs no matrix";
+  return solution;
 }
 
 }  // namespace hemiray

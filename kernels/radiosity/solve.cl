@@ -1,67 +1,79 @@
 // The radiosity system B_i = E_i + rho_i H_i + tau_i H_i', H_i = sum_j F_ij B_j what arrives on side i, H_i' on the
-// other side of the same triangle. Four columns are solved together: red, green, blue, and w: the system (I - rho F)
-// w = 1 with the largest rho of the three, whose solution bounds the error (host/radiosity/solver.hpp).
-#include "lib/vec.h"
+// other side of the same triangle. Four columns are solved together: red, green, blue, and w: the system (I - rho F -
+// tau F') w = 1 with the largest rho and tau of the three, whose solution bounds the error (host/radiosity/solver.hpp).
+#include "radiosity/wide_sum.h"
 #include "shared/radiosity_types.h"
+
+#ifndef HR_LOCAL_SIZE
+#define HR_LOCAL_SIZE 64
+#endif
 
 // One chunk of the matrix: rows[k] has columns and values [starts[k], starts[k + 1]).
 // incident[rows[k]] = H of it, for k in [first, first + count). Launch: count items.
-kernel void radiosity_gather(global const uint* restrict rows, global const uint* restrict starts,
-                             global const uint* restrict columns, global const float* restrict values, const uint first,
-                             const uint count, global const real4* restrict radiosity,
-                             global real4* restrict incident) {
+kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_gather(
+    global const uint* restrict rows, global const uint* restrict starts, global const uint* restrict columns,
+    global const float* restrict values, const uint first, const uint count, global const real4* restrict radiosity,
+    global wide4* restrict incident) {
   if (get_global_id(0) >= count) return;
   const uint k = first + (uint)get_global_id(0);
-  real4 sum = (real4)(0);
-  for (uint i = starts[k]; i < starts[k + 1]; i++) sum += radiosity[columns[i]] * (real4)((real)values[i]);
+  wide4 sum = wide_of((real4)(0));
+  for (uint i = starts[k]; i < starts[k + 1]; i++) {
+    sum = wide_add_product(sum, radiosity[columns[i]], (real4)((real)values[i]));
+  }
   incident[rows[k]] = sum;
 }
 
 // residual[s] = E + rho H + tau H' - B. Launch: count items.
-kernel void radiosity_residual(global const float4* restrict emission, global const float4* restrict reflectance,
-                               global const float4* restrict transmittance, global const real4* restrict incident,
-                               global const real4* restrict radiosity, const uint count,
-                               global real4* restrict residual) {
+kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_residual(
+    global const float4* restrict emission, global const float4* restrict reflectance,
+    global const float4* restrict transmittance, global const wide4* restrict incident,
+    global const real4* restrict radiosity, const uint count, global real4* restrict residual) {
   const uint s = (uint)get_global_id(0);
   if (s >= count) return;
-  const float4 e = emission[s], rho = reflectance[s], tau = transmittance[s];
-  residual[s] = (real4)((real)e.x, (real)e.y, (real)e.z, (real)e.w) +
-                (real4)((real)rho.x, (real)rho.y, (real)rho.z, (real)rho.w) * incident[s] +
-                (real4)((real)tau.x, (real)tau.y, (real)tau.z, (real)tau.w) * incident[s ^ 1u] - radiosity[s];
+  wide4 sum = wide_add_scaled(wide_of(real4_of(emission[s])), real4_of(reflectance[s]), incident[s]);
+  sum = wide_add_scaled(sum, real4_of(transmittance[s]), incident[s ^ 1u]);
+  sum = wide_add_product(sum, radiosity[s], (real4)(-1));
+  residual[s] = wide_value(sum);
 }
 
-// y += a x. Launch: count items.
-kernel void radiosity_add(global real4* restrict y, global const real4* restrict x, const float a, const uint count) {
+// Jacobi: B += r. Launch: count items.
+kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_add(
+    global real4* restrict radiosity, global const real4* restrict residual, const uint count) {
   const uint s = (uint)get_global_id(0);
-  if (s < count) y[s] += x[s] * (real4)((real)a);
+  if (s < count) radiosity[s] += residual[s];
 }
 
 // Gauss-Seidel: B of the rows just gathered, from the newest B of the others; a side's own factor is taken out, the
 // columns w like the colours. Launch: count items, `rows` from `first` on.
-kernel void radiosity_relax(global const uint* restrict rows, const uint first, const uint count,
-                            global const float4* restrict emission, global const float4* restrict reflectance,
-                            global const float4* restrict transmittance, global const real4* restrict incident,
-                            global const float* restrict own, global real4* restrict radiosity) {
+kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_relax(
+    global const uint* restrict rows, const uint first, const uint count, global const float4* restrict emission,
+    global const float4* restrict reflectance, global const float4* restrict transmittance,
+    global const wide4* restrict incident, global const float* restrict own, global real4* restrict radiosity) {
   if (get_global_id(0) >= count) return;
   const uint s = rows[first + (uint)get_global_id(0)];
-  const float4 e = emission[s], rho = reflectance[s], tau = transmittance[s];
-  const real4 reflects = (real4)((real)rho.x, (real)rho.y, (real)rho.z, (real)rho.w);
-  const real4 shines = (real4)((real)e.x, (real)e.y, (real)e.z, (real)e.w);
-  const real4 passes = (real4)((real)tau.x, (real)tau.y, (real)tau.z, (real)tau.w);
-  const real4 others = incident[s] - radiosity[s] * (real4)((real)own[s]);
+  const real4 reflects = real4_of(reflectance[s]);
+  const real4 others = wide_value(incident[s]) - radiosity[s] * (real4)((real)own[s]);
   radiosity[s] =
-      (shines + reflects * others + passes * incident[s ^ 1u]) / ((real4)(1) - reflects * (real4)((real)own[s]));
+      (real4_of(emission[s]) + reflects * others + real4_of(transmittance[s]) * wide_value(incident[s ^ 1u])) /
+      ((real4)(1) - reflects * (real4)((real)own[s]));
 }
 
-// own[rows[k]] = F_ii, 0 for what is flat. Launch: row_count items.
-kernel void radiosity_find_own(global const uint* restrict rows, global const uint* restrict starts,
-                               global const uint* restrict columns, global const float* restrict values,
-                               const uint row_count, global float* restrict own) {
+// Of the sides with rows: own = F_ii, 0 for what is flat; sums = sum_j F_ij; least = the smallest of the row, of those
+// given, or 0. Launch: row_count items.
+kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_find_row_facts(
+    global const uint* restrict rows, global const uint* restrict starts, global const uint* restrict columns,
+    global const float* restrict values, const uint row_count, global float* restrict own, global float* restrict sums,
+    global float* restrict least) {
   const uint k = (uint)get_global_id(0);
   if (k >= row_count) return;
-  float found = 0;
+  float found = 0, smallest = 0;
+  wide4 sum = wide_of((real4)(0));
   for (uint i = starts[k]; i < starts[k + 1]; i++) {
     if (columns[i] == rows[k]) found = values[i];
+    smallest = values[i] >= smallest ? smallest : values[i];  // takes NaN
+    sum = wide_add_product(sum, (real4)((real)values[i]), (real4)(1));
   }
   own[rows[k]] = found;
+  sums[rows[k]] = (float)wide_value(sum).x;
+  least[rows[k]] = smallest;
 }

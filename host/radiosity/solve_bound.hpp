@@ -1,0 +1,24 @@
+// How far off a solution can be, from its residual.
+#pragma once
+
+#include "host/radiosity/solve_method.hpp"
+
+namespace hemiray {
+
+/// The certificate: |B* - B|_i <= w_i max_k |r_k| / s_k for any w > 0 with s = (I - rho F) w > 0. What w and s were at
+/// any time stays true of the matrix, so the best pair is kept.
+class SolveBound {
+ public:
+  /// Largest residual and bound of a state; infinite while no w is certified.
+  SolveStep judge(const SolverState& state);
+
+  /// Of each side, for the state judged last.
+  [[nodiscard]] std::vector<double> of_sides() const;
+
+ private:
+  std::vector<double> weights_, margins_;  ///< w and what s is at least, of the best so far; empty: none
+  double ratio_ = 0.0;                     ///< max |r| / s of the last state
+  std::size_t sides_ = 0;
+};
+
+}  // namespace hemiray
