@@ -12,9 +12,9 @@
 namespace hemiray::app {
 
 struct RadiosityArguments {
-  std::uint32_t patches = 4000, resolution = 64, points = 1, iterations = 1000, seed = 0;
+  std::uint32_t patches = 4000, resolution = 0, points = 1, iterations = 1000, seed = 0, pair_rays = 256;
   double edge = 0.0, chord = 0.0, tolerance = 1e-4, seconds = 0.0, crease = 20.0;
-  std::string solver = "gauss-seidel", display = "smooth", cells = "turned";
+  std::string form_factors = "hybrid", solver = "gauss-seidel", display = "smooth", cells = "turned";
   std::vector<CLI::Option*> given;  ///< all of them: to tell whether one was used
 };
 

@@ -62,7 +62,7 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
 
   Parallel parallel(context);
   AccelBuilder builder(context, parallel);
-  Hemicubes hemicubes(context, parallel, builder, mesh, options.hemicube);
+  Hemicubes hemicubes(context, parallel, builder, mesh, options.factors.hemicube);
   const std::vector<shared::float4> direct = direct_light(context, builder, flat, mesh);
   std::vector<std::uint32_t> sources;
   const std::vector<shared::float4> own_emission = mesh.emission;
@@ -75,16 +75,15 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   context.finish();
   statistics.tree_ms = lap();
 
-  const FactorMatrix matrix = hemicubes.rows_reached_from(sources, [&](std::uint64_t done, std::uint64_t left) {
-    const bool go_on =
-        !options.on_progress ||
-        options.on_progress("form factors", static_cast<double>(done) / static_cast<double>(done + left));
-    statistics.interrupted |= !go_on;
-    return go_on;
-  });
+  FactorReport& report = statistics.factors;
+  const FactorMatrix matrix = make_form_factors(
+      context, parallel, mesh, hemicubes, sources, options.factors, report, [&](double fraction) {
+        return !options.on_progress || options.on_progress("form factors", fraction);
+      });
+  statistics.interrupted = report.interrupted;
   context.finish();
   statistics.factors_ms = lap();
-  statistics.rays = hemicubes.rays_traced();
+  statistics.rays = report.cube_rays + report.pair_rays + report.sample_rays;
   statistics.rows = matrix.rows();
   statistics.entries = matrix.entries();
   statistics.factor_bytes = matrix.bytes();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/radiosity/display.hpp"
+#include "host/radiosity/form_factors.hpp"
 #include "host/radiosity/hemicubes.hpp"
 #include "host/radiosity/patch_mesh.hpp"
 #include "host/radiosity/solver.hpp"
@@ -16,19 +17,20 @@ namespace hemiray {
 
 struct RadiosityOptions {
   PatchOptions mesh;
-  HemicubeOptions hemicube;
+  FactorOptions factors;
   SolveOptions solve;
   std::function<bool(const std::string& step, double fraction)> on_progress;  ///< returning false ends the step early
 };
 
 struct RadiosityStatistics {
   double mesh_ms = 0.0, tree_ms = 0.0, factors_ms = 0.0, solve_ms = 0.0;
-  std::uint64_t rays = 0;     ///< through cells of hemicubes
+  std::uint64_t rays = 0;     ///< through cells of hemicubes and between pairs
   std::uint64_t rows = 0;     ///< sides that light comes to
   std::uint64_t entries = 0;  ///< factors that are not zero
   std::uint64_t factor_bytes = 0, peak_bytes = 0;
   double emitted_w = 0.0;   ///< power that sources send and lights bring, all colours
   double absorbed_w = 0.0;  ///< power that surfaces take
+  FactorReport factors;
   bool interrupted = false;
 };
 
