@@ -1,5 +1,5 @@
 // Form factors of an occluded room: how long they take and how far off rows are, beside rays from each patch (uniform
-// Monte Carlo and quasi-Monte Carlo) in equal time. Usage: factor_accuracy [PATCHES] [ROWS] [RAYS] [ACCURACY]
+// Monte Carlo and quasi-Monte Carlo) in equal time. Usage: factor_accuracy [PATCHES] [ROWS] [RAYS] [ACCURACY] [FEW]
 //
 // The oracle of a sample of rows: the exchange of a pair with nothing in the way times its visibility by 256 points of
 // a four-dimensional sequence, and 16384 where these disagree. Its kernel without obstacles is checked against
@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <numbers>
 #include <random>
 #include <string>
@@ -272,12 +273,14 @@ int run(std::uint32_t patches, std::uint32_t row_count, const VisibilityOptions&
   FactorOptions options;
   options.hemicube.resolution = kReachResolution;
   options.visibility = rays;
-  const auto compute = [&](FactorReport& report, double& seconds) {
+  const auto compute = [&](FactorReport& report, double& seconds, double& cpu) {
     Hemicubes hemicubes(context, parallel, builder, mesh, options.hemicube);
     const double begin = steady_ms();
+    const std::clock_t cpu_begin = std::clock();
     FactorMatrix matrix = make_form_factors_of(context, parallel, mesh, hemicubes, fronts, options, report);
     context.finish();
     seconds = 1e-3 * (steady_ms() - begin);
+    cpu = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
     return matrix;
   };
   {  // compiles the kernels
@@ -294,10 +297,10 @@ int run(std::uint32_t patches, std::uint32_t row_count, const VisibilityOptions&
     sample.push_back(2 * static_cast<std::uint32_t>(random() % mesh.patch_count()));
   }
   FactorReport report;
-  double seconds = 0.0;
+  double seconds = 0.0, cpu = 0.0;
   std::vector<Row> hybrid, exact;
   {
-    const FactorMatrix matrix = compute(report, seconds);
+    const FactorMatrix matrix = compute(report, seconds, cpu);
     hybrid = rows_of(matrix, sample);
   }
   fmt::print("{} patches, {} pairs exchange light, {} partly hidden, {} close or cut; {} + {} + {} rays\n",
@@ -306,9 +309,10 @@ int run(std::uint32_t patches, std::uint32_t row_count, const VisibilityOptions&
   fmt::print("seconds: hemicubes {:.2f}, visibility {:.2f}, partly hidden {:.2f}, factors {:.2f}, rows {:.2f}\n",
              1e-3 * report.cubes_ms, 1e-3 * report.visibility_ms, 1e-3 * report.sample_ms, 1e-3 * report.pairs_ms,
              1e-3 * report.enforce_ms);
-  fmt::print("stated: geometry {:.1e}, sampling {:.1e}, closure {:.1e} before and {:.1e} after\n",
+  fmt::print("processor time {:.2f} s: what a machine without other work takes, times its cores\n", cpu);
+  fmt::print("stated: geometry {:.1e}, sampling {:.1e}, closure {:.1e} before and {:.1e} after {} sweeps\n",
              report.errors.geometry, report.errors.sampling, report.enforcement->mean_before,
-             report.enforcement->mean_after);
+             report.enforcement->mean_after, report.enforcement->sweeps);
   Hemicubes hemicubes(context, parallel, builder, mesh, options.hemicube);
   Tracer tracer{mesh, RayQueries(context, hemicubes.scene(), hemicubes.accel())};
   const std::vector<FactorRow> open = open_rows(context, parallel, PairSides(context, mesh, fronts), sample);
@@ -340,7 +344,7 @@ int main(int argc, char** argv) {
   };
   try {
     return hemiray::run(number(1, 14000), number(2, 8),
-                        {16, number(3, 256), argc > 4 ? std::strtod(argv[4], nullptr) : 0.04, 0});
+                        {number(5, 16), number(3, 256), argc > 4 ? std::strtod(argv[4], nullptr) : 0.04, 0});
   } catch (const std::exception& error) {
     std::fputs((std::string(error.what()) + "\n").c_str(), stderr);
     return 1;

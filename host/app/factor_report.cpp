@@ -10,24 +10,26 @@ namespace hemiray::app {
 
 std::string factor_table(const RadiosityStatistics& s) {
   const FactorReport& r = s.factors;
-  std::string text =
-      fmt::format("form factors  {} rows, {} entries in {}; {} rays, {:.2f} s, {:.1f} Mrays/s\n", s.rows, s.entries,
-                  format_bytes(s.factor_bytes), s.rays, 1e-3 * s.factors_ms,
-                  1e-3 * static_cast<double>(s.rays) / std::max(s.factors_ms, 1e-9));
+  std::string text = fmt::format("form factors  {} rows, {} entries in {}; {} rays, {:.2f} s, {:.1f} Mrays/s\n", s.rows,
+                                 s.entries, format_bytes(s.factor_bytes), s.rays, 1e-3 * s.factors_ms,
+                                 1e-3 * static_cast<double>(s.rays) / std::max(s.factors_ms, 1e-9));
   if (!r.enforcement) return text;
   text += fmt::format("  pairs       {} exchange light: {} close or cut, {} partly hidden\n", r.pairs, r.near_pairs,
                       r.partial_pairs);
   text += fmt::format(
-      "  time        hemicubes {:.2f} s, visibility {:.2f} s, partly hidden {:.2f} s, factors {:.2f} s, rows {:.2f} s\n",
+      "  time        hemicubes {:.2f} s, visibility {:.2f} s, partly hidden {:.2f} s, factors {:.2f} s, rows {:.2f} "
+      "s\n",
       1e-3 * r.cubes_ms, 1e-3 * r.visibility_ms, 1e-3 * r.sample_ms, 1e-3 * r.pairs_ms, 1e-3 * r.enforce_ms);
-  text += fmt::format("  error       a row: geometry below {:.1e}, sampling {:.1e} of {:.3f} partly hidden, "
-                      "visibility (closure) {:.1e}\n",
-                      r.errors.geometry, r.errors.sampling, r.errors.partial, r.errors.visibility);
+  text += fmt::format(
+      "  error       a row: geometry below {:.1e}, sampling {:.1e} of {:.3f} partly hidden, "
+      "visibility (closure) {:.1e}\n",
+      r.errors.geometry, r.errors.sampling, r.errors.partial, r.errors.visibility);
   if (r.violations) {
     const Violations& v = *r.violations;
-    text += fmt::format("  hemicubes   of {} factors {} above 1, {} above an area's share, {} above the unobstructed; "
-                        "reciprocity off by {:.2g} m^2\n",
-                        v.entries, v.above_one, v.above_area, v.above_unobstructed, v.reciprocity);
+    text += fmt::format(
+        "  hemicubes   of {} factors {} above 1, {} above an area's share, {} above the unobstructed; "
+        "reciprocity off by {:.2g} m^2\n",
+        v.entries, v.above_one, v.above_area, v.above_unobstructed, v.reciprocity);
     text += fmt::format("  repaired    {} for proximity, {} visibility, {} aliasing, {} other, each over 1 %\n",
                         v.proximity, v.visibility, v.aliasing, v.point);
   }
@@ -70,11 +72,10 @@ nlohmann::ordered_json factor_json(const FactorReport& r) {
                                    {"point", v.point}};
   }
   const Enforcement& e = *r.enforcement;
-  json["closure"] = {{"closed_rows", e.closed_rows},       {"left_rows", e.left_rows},
-                     {"sweeps", e.sweeps},                 {"mean_before", e.mean_before},
-                     {"mean_after", e.mean_after},         {"largest_before", e.closure_before},
-                     {"largest_after", e.closure_after},   {"excess_before", e.excess_before},
-                     {"excess_after", e.excess_after}};
+  json["closure"] = {
+      {"closed_rows", e.closed_rows},     {"left_rows", e.left_rows},         {"sweeps", e.sweeps},
+      {"mean_before", e.mean_before},     {"mean_after", e.mean_after},       {"largest_before", e.closure_before},
+      {"largest_after", e.closure_after}, {"excess_before", e.excess_before}, {"excess_after", e.excess_after}};
   return json;
 }
 

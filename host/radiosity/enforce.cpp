@@ -7,6 +7,7 @@ namespace hemiray {
 namespace {
 
 constexpr std::uint32_t kMostSweeps = 24;
+constexpr double kStalled = 0.8;
 constexpr double kFarOff = 0.2;        // more than any rule or sampling explains
 constexpr double kCloseEnough = 1e-5;  // single precision keeps not much more of a row of ten thousands
 
@@ -25,6 +26,7 @@ Enforcement scale_pairs(Context& context, const PatchMesh& mesh, FactorMatrix& e
   }
   Buffer<float> scales(context, "scales", mesh.side_count()), sums(context, "scaled sums", mesh.side_count());
   sums.clear();
+  double last = 0.0;
   for (std::uint32_t sweep = 0;; sweep++) {
     scales.write(result.scales);
     for (const FactorBlock& block : exchange.blocks) {
@@ -61,13 +63,18 @@ Enforcement scale_pairs(Context& context, const PatchMesh& mesh, FactorMatrix& e
     result.closure_after = worst;
     result.mean_after = mean;
     result.excess_after = excess;
-    if (!enforce || sweep == kMostSweeps || (worst < kCloseEnough && excess < kCloseEnough)) break;
+    const bool stalled = sweep > 2 && worst > kStalled * last;  // at what rounding leaves
+    last = worst;
+    if (!enforce || stalled || sweep == kMostSweeps || (worst < kCloseEnough && excess < kCloseEnough)) break;
     for (const std::uint32_t s : rows) {
       const double sum = static_cast<double>(scaled[s]), area = static_cast<double>(mesh.normals[s / 2].w);
       if (sum == 0.0) continue;
       const double now = static_cast<double>(result.scales[s]);
-      // Half the step in the logarithm: both sides of a pair take it.
-      if (closed[s] || now * sum > area) result.scales[s] = static_cast<float>(std::sqrt(now * area / sum));
+      // Both sides of a pair take the step, so one of 1 in the logarithm may swing for ever: 2/3 leaves a third of an
+      // error that is a side's own, and of one that all sides share.
+      if (closed[s] || now * sum > area) {
+        result.scales[s] = static_cast<float>(now * std::pow(area / (now * sum), 2.0 / 3.0));
+      }
     }
   }
   const Buffer<shared::float4> normals(context, "patch normals", std::span(mesh.normals));

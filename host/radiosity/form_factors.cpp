@@ -14,8 +14,8 @@ constexpr double kCubesShare = 0.2, kVisibilityShare = 0.6;
 
 class Maker {
  public:
-  Maker(Context& context, Parallel& parallel, const PatchMesh& mesh, Hemicubes& hemicubes,
-        const FactorOptions& options, FactorReport& report, const std::function<bool(double)>& on_progress)
+  Maker(Context& context, Parallel& parallel, const PatchMesh& mesh, Hemicubes& hemicubes, const FactorOptions& options,
+        FactorReport& report, const std::function<bool(double)>& on_progress)
       : context_(context),
         parallel_(parallel),
         mesh_(mesh),
@@ -64,8 +64,7 @@ class Maker {
     report_.near_pairs = factors.near_pairs;
     report_.pairs = factors.matrix.entries() / 2;
     report_.pairs_ms = lap();
-    report_.enforcement =
-        scale_pairs(context_, mesh_, factors.matrix, closed, options_.method == FormFactors::hybrid);
+    report_.enforcement = scale_pairs(context_, mesh_, factors.matrix, closed, options_.method == FormFactors::hybrid);
     sum_errors(factors, sides);
     report_.enforce_ms = lap();
     return std::move(factors.matrix);

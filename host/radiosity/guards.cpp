@@ -26,8 +26,8 @@ double reciprocity_of(Context& context, Program& program, const Buffer<shared::f
     for (const FactorBlock& block : matrix.blocks) {
       launch(context, program.kernel("radiosity_check_reciprocity"), block.row_count,
              arguments(rows_of(block), arg("place", places), arg("other_starts", other.starts),
-                       arg("other_columns", other.columns), arg("other_values", other.values),
-                       arg("normals", normals), arg("residuals", residuals)));
+                       arg("other_columns", other.columns), arg("other_values", other.values), arg("normals", normals),
+                       arg("residuals", residuals)));
     }
   }
   double worst = 0.0;
@@ -67,8 +67,8 @@ PairWatcher Guards::watcher() {
   watcher.obstructed = [this, batch_arguments](const PairBatch& batch) {
     for (const FactorBlock& block : raw_->blocks) {
       launch(*context_, program_.kernel("radiosity_find_causes"), block.row_count,
-             arguments(batch_arguments(block, batch), arg("sides", sides_->table),
-                       arg("partial", visibility_->partial), arg("finest", finest_), arg("causes", causes_)));
+             arguments(batch_arguments(block, batch), arg("sides", sides_->table), arg("partial", visibility_->partial),
+                       arg("finest", finest_), arg("causes", causes_)));
     }
   };
   return watcher;

@@ -38,9 +38,9 @@ PairFactors make_pair_factors(Context& context, Parallel& parallel, const PairSi
   const std::uint32_t blocks = (sides.stride + kFarColumns - 1) / kFarColumns;
   for (std::uint32_t first = 0; first < sides.count; first += batch) {
     const std::uint32_t count = std::min(batch, sides.count - first);
-    const Arguments table = arguments(arg("sides", sides.table), arg("stride", sides.stride),
-                                      arg("flatness", sides.flatness), arg("first", first), arg("row_count", count),
-                                      arg("dense", dense));
+    const Arguments table =
+        arguments(arg("sides", sides.table), arg("stride", sides.stride), arg("flatness", sides.flatness),
+                  arg("first", first), arg("row_count", count), arg("dense", dense));
     launch(context, far.kernel("radiosity_pair_far"), std::uint64_t{count} * blocks,
            arguments(table, arg("count", sides.count)));
     launch(context, near.kernel("radiosity_pair_near"), count,
@@ -49,8 +49,8 @@ PairFactors make_pair_factors(Context& context, Parallel& parallel, const PairSi
     if (watcher.unobstructed) watcher.unobstructed(part);
     FactorBlock block;
     block.row_count = count;
-    block.rows = Buffer<std::uint32_t>(context, "factor rows",
-                                       std::span<const std::uint32_t>(sides.ids).subspan(first, count));
+    block.rows =
+        Buffer<std::uint32_t>(context, "factor rows", std::span<const std::uint32_t>(sides.ids).subspan(first, count));
     block.starts = Buffer<std::uint32_t>(context, "factor starts", count + std::size_t{1});
     launch(context, rows.kernel("radiosity_apply_visibility"), count,
            arguments(arg("visible", visibility.visible), arg("partial", visibility.partial),
@@ -71,8 +71,8 @@ PairFactors make_pair_factors(Context& context, Parallel& parallel, const PairSi
     if (on_progress && !on_progress(static_cast<double>(first + count) / sides.count)) break;
   }
   for (const shared::float4& s : sums.read()) {
-    result.sums.push_back({static_cast<double>(s.x), static_cast<double>(s.y), static_cast<double>(s.z),
-                           static_cast<double>(s.w)});
+    result.sums.push_back(
+        {static_cast<double>(s.x), static_cast<double>(s.y), static_cast<double>(s.z), static_cast<double>(s.w)});
   }
   for (const std::uint32_t n : near_counts.read()) result.near_pairs += n;
   result.near_pairs /= 2;

@@ -20,7 +20,7 @@ struct RowSums {
 };
 
 struct PairBatch {
-  std::uint32_t first = 0, rows = 0;  ///< numbers
+  std::uint32_t first = 0, rows = 0;     ///< numbers
   const Buffer<float>* dense = nullptr;  ///< rows x stride exchange areas [m^2]
 };
 
@@ -31,7 +31,7 @@ struct PairWatcher {
 
 struct PairFactors {
   FactorMatrix matrix;  ///< its values are exchange areas A_i F_ij [m^2], symmetric to the bit, until scale_pairs()
-  std::vector<RowSums> sums;   ///< by number
+  std::vector<RowSums> sums;     ///< by number
   std::uint64_t near_pairs = 0;  ///< by the contour integral, each counted once
   double pairs_ms = 0.0;
 };

@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::uint32_t kBlockColumns = 64;         // HR_BLOCK_COLUMNS of radiosity/visibility.cl
 constexpr std::uint64_t kItemsALaunch = 1U << 18U;  // so that progress shows and Ctrl-C is heard
-constexpr std::uint32_t kRaysAlone = 64;            // HR_AIMED of radiosity/aimed_rays.h without packets
+constexpr std::uint32_t kSampleGroups = 1;  // partly hidden pairs lie along silhouettes: few share a part of the tree
+constexpr std::uint32_t kRaysAlone = 64;    // HR_AIMED of radiosity/aimed_rays.h without packets
 
 std::uint64_t sum_of(const std::vector<std::uint32_t>& values) {
   return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
@@ -29,10 +30,15 @@ class Finder {
         sides_(sides),
         words_(sides.stride / 32),
         bits_(context, "visibility bits", {"radiosity/visibility_bits.cl"}, {}) {
-    ProgramOptions options = accel.program_options(scene.features(), false);
-    options.defines += fmt::format(" -DHR_PACKET_GROUPS={}", context.profile().packet_groups);
-    trace_.emplace(context, "visibility",
-                   std::vector<std::string>{"radiosity/visibility.cl", "radiosity/pair_partial.cl"}, options);
+    const auto with_groups = [&](std::uint32_t groups) {
+      ProgramOptions options = accel.program_options(scene.features(), false);
+      options.defines += fmt::format(" -DHR_PACKET_GROUPS={}", groups);
+      return options;
+    };
+    trace_.emplace(context, "visibility", std::vector<std::string>{"radiosity/visibility.cl"},
+                   with_groups(context.profile().packet_groups));
+    sample_.emplace(context, "partly hidden pairs", std::vector<std::string>{"radiosity/pair_partial.cl"},
+                    with_groups(kSampleGroups));
   }
 
   PairVisibility find(const VisibilityOptions& options, const std::function<bool(double)>& on_progress) {
@@ -148,7 +154,7 @@ class Finder {
                                           std::uint32_t end, const VisibilityOptions& options, const Buffer<float>& all,
                                           const Buffer<float>& through,
                                           const std::function<bool(double)>& on_progress) {
-    const std::uint32_t size = accel_.config().has_packets() ? 16 * context_.profile().packet_groups : kRaysAlone;
+    const std::uint32_t size = accel_.config().has_packets() ? 16 * kSampleGroups : kRaysAlone;
     std::vector<std::uint32_t> rows, firsts;
     for (std::uint32_t i = 0; i < sides_.count; i++) {
       for (std::uint32_t first = starts[i]; first < starts[i + 1]; first += size) {
@@ -166,7 +172,7 @@ class Finder {
       const auto count = static_cast<std::uint32_t>(std::min(kPackets, rows.size() - at));
       packet_rows.write(std::span<const std::uint32_t>(rows).subspan(at, count));
       packet_firsts.write(std::span<const std::uint32_t>(firsts).subspan(at, count + 1));
-      launch(context_, trace_->kernel("radiosity_sample_partial"), count,
+      launch(context_, sample_->kernel("radiosity_sample_partial"), count,
              arguments(scene_arguments(), arg("sides", sides_.table), arg("own_triangles", sides_.triangles),
                        arg("stride", sides_.stride), arg("flatness", sides_.flatness), arg("columns", found.columns),
                        arg("list", pairs), arg("packet_rows", packet_rows), arg("firsts", packet_firsts),
@@ -189,7 +195,7 @@ class Finder {
   const PairSides& sides_;
   std::uint32_t words_;
   Program bits_;
-  std::optional<Program> trace_;
+  std::optional<Program> trace_, sample_;
 };
 
 }  // namespace

@@ -77,9 +77,8 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
 
   FactorReport& report = statistics.factors;
   const FactorMatrix matrix = make_form_factors(
-      context, parallel, mesh, hemicubes, sources, options.factors, report, [&](double fraction) {
-        return !options.on_progress || options.on_progress("form factors", fraction);
-      });
+      context, parallel, mesh, hemicubes, sources, options.factors, report,
+      [&](double fraction) { return !options.on_progress || options.on_progress("form factors", fraction); });
   statistics.interrupted = report.interrupted;
   context.finish();
   statistics.factors_ms = lap();

@@ -77,8 +77,8 @@ kernel void radiosity_check_reciprocity(global const uint* restrict rows, global
                                         const uint row_count, global const uint* restrict place,
                                         global const uint* restrict other_starts,
                                         global const uint* restrict other_columns,
-                                        global const float* restrict other_values, global const float4* restrict normals,
-                                        global float* restrict residuals) {
+                                        global const float* restrict other_values,
+                                        global const float4* restrict normals, global float* restrict residuals) {
   const uint k = (uint)get_global_id(0);
   if (k >= row_count) return;
   const uint i = rows[k];

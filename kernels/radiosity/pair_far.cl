@@ -6,9 +6,10 @@
 #define HR_FAR_COLUMNS 256u
 
 // Points of the rule of 7: the center, then corner k at two scales. Of the rule of 3: 1/2.
-constant float scale7[7] = {0.0f, -0.410426192f, -0.410426192f, -0.410426192f, 0.696140478f, 0.696140478f, 0.696140478f};
-constant float weight7[7] = {0.225f, 0.132394153f, 0.132394153f, 0.132394153f, 0.125939181f, 0.125939181f,
-                             0.125939181f};
+constant float scale7[7] = {0.0f,         -0.410426192f, -0.410426192f, -0.410426192f,
+                            0.696140478f, 0.696140478f,  0.696140478f};
+constant float weight7[7] = {0.225f,       0.132394153f, 0.132394153f, 0.132394153f,
+                             0.125939181f, 0.125939181f, 0.125939181f};
 constant uint corner7[7] = {0, 0, 1, 2, 0, 1, 2};
 
 // cos cos' / r^2 between points of the row and of the columns, but for the lengths in it.

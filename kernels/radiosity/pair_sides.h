@@ -19,8 +19,8 @@ typedef struct PairRow {
 } PairRow;
 
 typedef struct PairColumns {
-  float16 away[3];       // from the row's center to theirs
-  float16 corner[3][3];  // from their centers
+  float16 away[3];                     // from the row's center to theirs
+  float16 corner[3][3];                // from their centers
   float16 row_heights[3], heights[3];  // of the corners of the row over the columns' planes, of theirs over the row's
   float16 row_height, height;          // the same of the centers
   float16 distance2;                   // of the centers [m^2]

@@ -5,13 +5,14 @@
 
 #define HR_BLOCK_COLUMNS 64u /* = HR_SIDE_PADDING */
 
-// For i < j: `visible` and `hidden` tell what the ray between them found; `cut` has those pairs that face each other
-// in part, but not with their centroids: no ray tells about them. Zero elsewhere. Launch: a row of `stride` /
-// HR_BLOCK_COLUMNS items a side, from side `first` on.
+// For i < j: `visible` and `hidden` tell what the ray between them found; `cut` has those pairs that are
+// close for their size, or face each other in part, but not with their centroids: no one ray tells about them. Zero
+// elsewhere. Launch: a row of `stride` / HR_BLOCK_COLUMNS items a side, from side `first` on.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_trace_pairs(
-    HR_SCENE_PARAMETERS global const float* restrict sides, global const uint* restrict own_triangles, const uint stride,
-    const uint count, const float flatness, const uint first, const uint row_count, global uint* restrict visible,
-    global uint* restrict hidden, global uint* restrict cut, global uint* restrict rays, const RenderParams params) {
+    HR_SCENE_PARAMETERS global const float* restrict sides, global const uint* restrict own_triangles,
+    const uint stride, const uint count, const float flatness, const uint first, const uint row_count,
+    global uint* restrict visible, global uint* restrict hidden, global uint* restrict cut, global uint* restrict rays,
+    const RenderParams params) {
   const uint blocks = stride / HR_BLOCK_COLUMNS;
   const uint at = (uint)get_global_id(0) / blocks;
   if (at >= row_count) return;
@@ -33,16 +34,17 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity
         const PairColumns p = load_pair_columns(sides, stride, &row, j0, flatness);
         if (!any_lane16(p.facing)) continue;
         const int16 open = p.facing & (p.height > 0.0f) & (p.row_height > 0.0f);
-        const int *facing = (const int*)&p.facing, *aims = (const int*)&open;
+        // One ray cannot stand for sides that are close for their size.
+        const float16 reach = HR_PAIR_MIDDLE * (HR_SIDE_VALUES(HR_SIDE_RADIUS, j0) + row.radius);
+        const int16 close = p.facing & (p.distance2 < reach * reach);
+        const int *facing = (const int*)&p.facing, *aims = (const int*)&open, *closes = (const int*)&close;
         const float *x = (const float*)&p.away[0], *y = (const float*)&p.away[1], *z = (const float*)&p.away[2];
         const float* heights = (const float*)&p.row_height;
         for (uint k = 0; k < 16; k++) {
           const uint j = j0 + k, bit = part + lane + k;
           if (j <= i || !facing[k]) continue;
-          if (!aims[k]) {
-            words[2][bit / 32] |= 1u << bit % 32;
-            continue;
-          }
+          if (!aims[k] || closes[k]) words[2][bit / 32] |= 1u << bit % 32;
+          if (!aims[k]) continue;
           aim_at(&aimed, lane + k, center + (real3)(x[k], y[k], z[k]), way_to(heights[k], flatness));
           asked |= 1ul << (lane + k);
         }

@@ -71,7 +71,8 @@ TEST_CASE("pairs of any size, tilt and distance are as cubature says, and symmet
         CHECK(std::abs(got - exact) <= HR_PAIR_FAR_ERROR * exact + 1e-7 * area);
         many += exact > 0.0;
         const auto center = [](const reference::Corners& t) {
-          return DVec3(static_cast<double>(t[0].x + t[1].x + t[2].x) / 3, static_cast<double>(t[0].y + t[1].y + t[2].y) / 3,
+          return DVec3(static_cast<double>(t[0].x + t[1].x + t[2].x) / 3,
+                       static_cast<double>(t[0].y + t[1].y + t[2].y) / 3,
                        static_cast<double>(t[0].z + t[1].z + t[2].z) / 3);
         };
         double ra = 0, rb = 0;
