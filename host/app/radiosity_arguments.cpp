@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/app/factor_report.hpp"
 #include "host/base/error.hpp"
 #include "host/base/numbers.hpp"
 
@@ -35,8 +37,17 @@ void add_mesh_options(CLI::App& command, RadiosityArguments& a) {
   add(command.add_option(
       "--chord", a.chord,
       "Largest distance of a tessellated round surface from the true one [m] (default: 1 % of its radius)"));
-  add(command.add_option("--resolution", a.resolution, "Cells along an edge of a hemicube, even, 8 to 1024"))
+  add(command.add_option("--form-factors", a.form_factors,
+                         "By hemicubes alone, pair by pair, or both: checked against each other, closed rows "
+                         "made to sum to one"))
+      ->check(CLI::IsMember({"hemicube", "analytic", "hybrid"}))
       ->capture_default_str();
+  add(command.add_option("--pair-rays", a.pair_rays, "Rays between partly hidden pairs, at most; 16 to find which are"))
+      ->check(CLI::Range(4, 4096))
+      ->capture_default_str();
+  add(command.add_option("--resolution", a.resolution,
+                         "Cells along an edge of a hemicube, even, 8 to 1024 (default: 64; 16 where hemicubes only "
+                         "say which patches light reaches)"));
   add(command.add_option("--points", a.points, "Hemicubes a patch: a square from 1 to 256"))->capture_default_str();
   add(command.add_option("--cells", a.cells,
                          "Rays go through the cells' middles, of cubes that are turned each its own "
@@ -92,12 +103,6 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a) {
   if (a.patches == 0) throw InputError("--patches", "0 patches show nothing; give how many there may be");
   RadiosityOptions options;
   options.mesh = {a.edge, a.patches, a.chord};
-  options.hemicube.resolution = a.resolution;
-  options.hemicube.divisions = divisions_of(a.points);
-  options.hemicube.turned = a.cells != "aligned";
-  options.hemicube.jittered = a.cells == "jittered";
-  options.hemicube.seed = a.seed;
-  check_hemicube_options(options.hemicube);
   for (const SolverKind kind : {SolverKind::automatic, SolverKind::jacobi, SolverKind::gauss_seidel,
                                 SolverKind::southwell, SolverKind::cg, SolverKind::gmres}) {
     if (a.solver == to_string(kind)) options.solve.kind = kind;
@@ -113,6 +118,20 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a) {
   options.solve.pick = a.pick == "power" ? ShotPick::power : ShotPick::residual;
   options.factor_bytes = static_cast<std::uint64_t>(std::llround(a.factor_mib * kMebibyte));
   options.residual_samples = a.residual_samples;
+  options.factors.method = a.form_factors == "hemicube"   ? FormFactors::hemicube
+                           : a.form_factors == "analytic" ? FormFactors::analytic
+                                                          : FormFactors::hybrid;
+  options.factors.visibility.few = std::min(options.factors.visibility.few, a.pair_rays);
+  options.factors.visibility.many = a.pair_rays;
+  options.factors.visibility.seed = a.seed;
+  HemicubeOptions& hemicube = options.factors.hemicube;
+  const bool by_cubes = options.factors.method == FormFactors::hemicube;
+  hemicube.resolution = a.resolution > 0 ? a.resolution : (by_cubes ? 64 : kReachResolution);
+  hemicube.divisions = divisions_of(a.points);
+  hemicube.turned = a.cells != "aligned";
+  hemicube.jittered = a.cells == "jittered";
+  hemicube.seed = a.seed;
+  check_hemicube_options(hemicube);
   options.solve.tolerance = a.tolerance;
   options.solve.iterations = a.iterations;
   options.solve.seconds = a.seconds;
@@ -132,9 +151,7 @@ std::string radiosity_table(const Radiosity& r) {
     text += fmt::format("form factors  {} expected, {} allowed: {} rows computed on demand, {} rays\n",
                         format_bytes(s.expected_factor_bytes), format_bytes(s.factor_limit), s.rows, s.rays);
   } else {
-    text += fmt::format("form factors  {} rows, {} entries in {}; {} rays, {:.2f} s, {:.1f} Mrays/s\n", s.rows,
-                        s.entries, format_bytes(s.factor_bytes), s.rays, 1e-3 * s.factors_ms,
-                        1e-3 * static_cast<double>(s.rays) / std::max(s.factors_ms, 1e-9));
+    text += factor_table(s);
   }
   text += fmt::format(
       "solution      {}{}, {} iterations, {:.2f} s; no radiosity off by more than {:.3g} of {:.4g} "
@@ -166,6 +183,7 @@ std::string radiosity_json(const Radiosity& r) {
   json["entries"] = s.entries;
   json["factor_bytes"] = s.factor_bytes;
   json["rays"] = s.rays;
+  json["form_factors"] = factor_json(s.factors);
   json["mesh_ms"] = s.mesh_ms;
   json["tree_ms"] = s.tree_ms;
   json["factors_ms"] = s.factors_ms;

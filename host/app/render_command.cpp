@@ -198,7 +198,7 @@ struct LitScene {
 LitScene solve_light(const RenderArguments& given, const Scene& scene, const DeviceInfo& device,
                      const InterruptGuard& interrupt) {
   RadiosityOptions options = to_radiosity_options(given.radiosity);
-  options.hemicube.seed = given.seed;
+  options.factors.hemicube.seed = options.factors.visibility.seed = given.seed;
   Progress progress("form factors", !given.quiet);
   options.on_progress = [&](const std::string&, double fraction) {
     progress.update(fraction, 0.0);

@@ -15,6 +15,7 @@
 #include "host/base/error.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/progress.hpp"
+#include "host/radiosity/form_factors.hpp"
 #include "host/radiosity/view_factors.hpp"
 #include "host/scene/load.hpp"
 
@@ -64,10 +65,13 @@ void check_outputs(const FactorArguments& given) {
   if (!given.view3d_input.empty()) check_writable(given.view3d_input);
 }
 
-std::string as_json(const ViewFactors& f, const PatchMesh& mesh, std::uint64_t rays, double seconds) {
+std::string as_json(const ViewFactors& f, const PatchMesh& mesh, const FactorReport& report, double seconds) {
   nlohmann::ordered_json json;
   json["patches"] = mesh.patch_count();
-  json["rays"] = rays;
+  json["rays"] = report.cube_rays + report.pair_rays + report.sample_rays;
+  json["errors"] = {{"geometry", report.errors.geometry},
+                    {"sampling", report.errors.sampling},
+                    {"visibility", report.errors.visibility}};
   json["seconds"] = seconds;
   json["names"] = f.names;
   json["areas_m2"] = f.areas_m2;
@@ -111,14 +115,15 @@ int run_view_factors(const FactorArguments& given) {
   Parallel parallel(context);
   AccelBuilder builder(context, parallel);
   const double start = steady_ms();
-  Hemicubes hemicubes(context, parallel, builder, mesh, options.hemicube);
+  Hemicubes hemicubes(context, parallel, builder, mesh, options.factors.hemicube);
   std::vector<std::uint32_t> fronts;
   for (std::uint32_t i = 0; i < mesh.patch_count(); i++) fronts.push_back(2 * i);
-  FactorMatrix matrix;
-  hemicubes.add_rows(fronts, matrix, [&](std::uint64_t done) {
-    progress.update(static_cast<double>(done) / static_cast<double>(fronts.size()), 0.0);
-    return !interrupt.interrupted();
-  });
+  FactorReport report;
+  const FactorMatrix matrix =
+      make_form_factors_of(context, parallel, mesh, hemicubes, fronts, options.factors, report, [&](double fraction) {
+        progress.update(fraction, 0.0);
+        return !interrupt.interrupted();
+      });
   progress.finish();
   if (interrupt.interrupted()) {
     fmt::print(stderr, "hemiray: interrupted; rows are missing, so nothing is written\n");
@@ -135,7 +140,7 @@ int run_view_factors(const FactorArguments& given) {
   if (!given.view3d_input.empty())
     write_file_atomically(given.view3d_input, patches_as_view3d(mesh, groups, given.scene));
   if (given.json) {
-    std::fputs(as_json(factors, mesh, hemicubes.rays_traced(), seconds).c_str(), stdout);
+    std::fputs(as_json(factors, mesh, report, seconds).c_str(), stdout);
   } else if (!given.quiet) {
     std::fputs(as_table(factors, mesh, seconds).c_str(), stdout);
   }

@@ -62,11 +62,12 @@ ContinuousResidual find_continuous_residual(Context& context, const Hemicubes& h
       light(context, "radiosity", std::span<const shared::float4>(constant)),
       products(context, "squares of residuals", samples);
   const Buffer<std::uint32_t> sides(context, "sides to probe", std::span<const std::uint32_t>(chosen));
-  launch(context, program.kernel("radiosity_probe_residual"), samples,
-         arguments(scene.shading_arguments(), accel.tree_arguments(), arg("normals", normals), arg("sides", sides),
-                   arg("emission", emission), arg("reflectance", reflectance), arg("transmittance", transmittance),
-                   arg("radiosity", light), arg("count", samples), arg("strata", kStrata), arg("seed_key", seed_key),
-                   arg("products", products), arg("params", query_params(scene))));
+  launch(
+      context, program.kernel("radiosity_probe_residual"), samples,
+      arguments(scene.shading_arguments(), accel.tree_arguments(), arg("patch_normals", normals), arg("sides", sides),
+                arg("emission", emission), arg("reflectance", reflectance), arg("transmittance", transmittance),
+                arg("radiosity", light), arg("count", samples), arg("strata", kStrata), arg("seed_key", seed_key),
+                arg("products", products), arg("params", query_params(scene))));
   double sum = 0.0, squares = 0.0, light_squares = 0.0;
   for (const shared::float4& p : products.read()) {
     const double square = (static_cast<double>(p.x) + static_cast<double>(p.y) + static_cast<double>(p.z)) / 3.0;

@@ -64,8 +64,7 @@ std::array<double, 3> rgb(const shared::float4& v) {
 FactorMatrix stored_factors(Context& context, Hemicubes& hemicubes, const PatchMesh& mesh,
                             const std::vector<std::uint32_t>& sources, const RadiosityOptions& options,
                             RadiosityStatistics& statistics) {
-  statistics.factor_limit = options.factor_bytes > 0 ? options.factor_bytes : factor_memory_limit(context);
-  statistics.factor_bytes_at_most = most_factor_bytes(mesh, options.hemicube);
+  statistics.factor_bytes_at_most = most_factor_bytes(mesh, options.factors.hemicube);
   FactorMatrix matrix = hemicubes.rows_reached_from(sources, [&](std::uint64_t done, std::uint64_t known) {
     statistics.expected_factor_bytes = expected_factor_bytes(hemicubes.entries_made(), done, known);
     if (statistics.expected_factor_bytes > statistics.factor_limit) return false;
@@ -87,6 +86,33 @@ FactorMatrix stored_factors(Context& context, Hemicubes& hemicubes, const PatchM
   FactorMatrix none;
   none.side_count = mesh.side_count();
   return none;
+}
+
+// Pair by pair; what the memory allows is known before.
+FactorMatrix paired_factors(Context& context, Parallel& parallel, Hemicubes& hemicubes, const PatchMesh& mesh,
+                            const std::vector<std::uint32_t>& sources, const FactorOptions& factors,
+                            const RadiosityOptions& options, RadiosityStatistics& statistics) {
+  FactorReport& report = statistics.factors;
+  FactorMatrix matrix = make_form_factors(
+      context, parallel, mesh, hemicubes, sources, factors, report,
+      [&](double fraction) { return !options.on_progress || options.on_progress("form factors", fraction); });
+  statistics.interrupted = report.interrupted;
+  return matrix;
+}
+
+// What is asked for, or hemicubes where pair by pair might not fit: every patch may see every other.
+FactorOptions fitting_factors(const PatchMesh& mesh, const RadiosityOptions& options, RadiosityStatistics& statistics) {
+  FactorOptions factors = options.factors;
+  if (factors.method == FormFactors::hemicube) return factors;
+  constexpr std::uint64_t kEntryBytes = sizeof(std::uint32_t) + sizeof(float);
+  statistics.factor_bytes_at_most = std::uint64_t{mesh.patch_count()} * mesh.patch_count() * kEntryBytes;
+  if (statistics.factor_bytes_at_most <= statistics.factor_limit) return factors;
+  statistics.why_hemicubes =
+      fmt::format("pair by pair they may take {}, and {} are allowed", format_bytes(statistics.factor_bytes_at_most),
+                  format_bytes(statistics.factor_limit));
+  factors.method = FormFactors::hemicube;
+  factors.hemicube.resolution = std::max(factors.hemicube.resolution, HemicubeOptions{}.resolution);
+  return factors;
 }
 
 Solution solve_on_demand(Context& context, Hemicubes& hemicubes, const PatchMesh& mesh, const SolveOptions& options) {
@@ -112,9 +138,11 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   PatchMesh& mesh = result.mesh;
   statistics.mesh_ms = lap();
 
+  statistics.factor_limit = options.factor_bytes > 0 ? options.factor_bytes : factor_memory_limit(context);
+  const FactorOptions factors = fitting_factors(mesh, options, statistics);
   Parallel parallel(context);
   AccelBuilder builder(context, parallel);
-  Hemicubes hemicubes(context, parallel, builder, mesh, options.hemicube);
+  Hemicubes hemicubes(context, parallel, builder, mesh, factors.hemicube);
   const std::vector<shared::float4> direct = direct_light(context, builder, flat, mesh);
   std::vector<std::uint32_t> sources;
   const std::vector<shared::float4> own_emission = mesh.emission;
@@ -127,7 +155,10 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   context.finish();
   statistics.tree_ms = lap();
 
-  const FactorMatrix matrix = stored_factors(context, hemicubes, mesh, sources, options, statistics);
+  const FactorMatrix matrix =
+      factors.method == FormFactors::hemicube
+          ? stored_factors(context, hemicubes, mesh, sources, options, statistics)
+          : paired_factors(context, parallel, hemicubes, mesh, sources, factors, options, statistics);
   const bool on_demand = statistics.expected_factor_bytes > statistics.factor_limit;
   context.finish();
   statistics.factors_ms = lap();
@@ -143,7 +174,7 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   } else {
     result.solution = solve_radiosity(context, mesh, matrix, options.solve);
   }
-  statistics.rays = hemicubes.rays_traced();
+  statistics.rays = hemicubes.rays_traced() + statistics.factors.pair_rays + statistics.factors.sample_rays;
   statistics.solve_ms = lap();
   result.irradiance = result.solution.irradiance;
   for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
@@ -159,7 +190,7 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   }
   if (options.residual_samples > 0) {
     result.continuous = find_continuous_residual(context, hemicubes, mesh, result.solution.radiosity,
-                                                 options.residual_samples, options.hemicube.seed);
+                                                 options.residual_samples, options.factors.hemicube.seed);
     statistics.residual_ms = lap();
   }
   statistics.peak_bytes = context.peak_bytes();

@@ -9,6 +9,7 @@
 
 #include "host/radiosity/continuous_residual.hpp"
 #include "host/radiosity/display.hpp"
+#include "host/radiosity/form_factors.hpp"
 #include "host/radiosity/hemicubes.hpp"
 #include "host/radiosity/patch_mesh.hpp"
 #include "host/radiosity/solver.hpp"
@@ -17,7 +18,7 @@ namespace hemiray {
 
 struct RadiosityOptions {
   PatchOptions mesh;
-  HemicubeOptions hemicube;
+  FactorOptions factors;
   SolveOptions solve;
   std::uint64_t factor_bytes = 0;         ///< for form factors, at most; 0: most of what is free on the device
   std::uint32_t residual_samples = 4096;  ///< points at which the equation of light is tried; 0: none
@@ -26,7 +27,7 @@ struct RadiosityOptions {
 
 struct RadiosityStatistics {
   double mesh_ms = 0.0, tree_ms = 0.0, factors_ms = 0.0, solve_ms = 0.0;
-  std::uint64_t rays = 0;     ///< through cells of hemicubes
+  std::uint64_t rays = 0;     ///< through cells of hemicubes and between pairs
   std::uint64_t rows = 0;     ///< sides that light comes to, or rows computed on demand
   std::uint64_t entries = 0;  ///< factors that are not zero, in them
   std::uint64_t factor_bytes = 0, peak_bytes = 0;
@@ -36,6 +37,8 @@ struct RadiosityStatistics {
   double emitted_w = 0.0;                   ///< power that sources send and lights bring, all colours
   double absorbed_w = 0.0;                  ///< power that surfaces take
   double residual_ms = 0.0;
+  FactorReport factors;
+  std::string why_hemicubes;  ///< where pair by pair was asked for, and the factors would not fit; else empty
   bool interrupted = false;
 };
 

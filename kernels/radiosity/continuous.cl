@@ -13,10 +13,10 @@
 // A mean over strata^2 rays, cosine-distributed about the side's normal, one a stratum of the disk: the radiosity of
 // what they meet is the point's irradiance [W/m^2].
 static inline real3 irradiance_at(const SceneView* view, uint side, real3 position, real3 error,
-                                  global const float4* restrict normals, global const float4* restrict radiosity,
+                                  global const float4* restrict patch_normals, global const float4* restrict radiosity,
                                   uint strata, uint4 key) {
   const TriangleGeometry g = load_triangle(view, side / 2);
-  const real3 normal = param3(normals[side / 2]) * (side & 1u ? -REAL(1.0) : REAL(1.0));
+  const real3 normal = param3(patch_normals[side / 2]) * (side & 1u ? -REAL(1.0) : REAL(1.0));
   const real3 along = normalize3(g.b - g.a), across = cross3(normal, along);
   const real3 origin = offset_origin(position, error, normal, normal);
   const Skip skip = {side / 2, 1, 0};
@@ -30,7 +30,7 @@ static inline real3 irradiance_at(const SceneView* view, uint side, real3 positi
     const Ray ray = make_ray(origin, direction, 0, INFINITY);
     const uint met = traverse_closest(view, &ray, &skip).primitive;
     if (met == HR_NO_PRIMITIVE) continue;
-    sum += param3(radiosity[2 * met + (dot3(direction, param3(normals[met])) < 0 ? 0u : 1u)]);
+    sum += param3(radiosity[2 * met + (dot3(direction, param3(patch_normals[met])) < 0 ? 0u : 1u)]);
   }
   return sum * width * width;
 }
@@ -38,7 +38,7 @@ static inline real3 irradiance_at(const SceneView* view, uint side, real3 positi
 // products[i] = r r', rgb, w = 0 [W^2/m^4], of two estimates of the residual E + rho H + tau H' - B at one random point
 // of sides[i], each from strata^2 rays of its own a side: their product's mean is the square of the residual, without
 // the rays' noise. Launch: count items.
-kernel void radiosity_probe_residual(HR_SCENE_PARAMETERS global const float4* restrict normals,
+kernel void radiosity_probe_residual(HR_SCENE_PARAMETERS global const float4* restrict patch_normals,
                                      global const uint* restrict sides, global const float4* restrict emission,
                                      global const float4* restrict reflectance,
                                      global const float4* restrict transmittance,
@@ -60,10 +60,10 @@ kernel void radiosity_probe_residual(HR_SCENE_PARAMETERS global const float4* re
   for (uint half_of = 0; half_of < 2; half_of++) {
     const uint4 key = (uint4)(i, 2 * half_of, 0, HR_DIMENSION_RAY ^ seed_key);
     real3 r = param3(emission[side]) - param3(radiosity[side]);
-    r += param3(reflectance[side]) * irradiance_at(&view, side, position, error, normals, radiosity, strata, key);
+    r += param3(reflectance[side]) * irradiance_at(&view, side, position, error, patch_normals, radiosity, strata, key);
     if (passes) {
       const uint4 other = key + (uint4)(0, 1, 0, 0);
-      r += param3(tau) * irradiance_at(&view, side ^ 1u, position, error, normals, radiosity, strata, other);
+      r += param3(tau) * irradiance_at(&view, side ^ 1u, position, error, patch_normals, radiosity, strata, other);
     }
     product *= r;
   }

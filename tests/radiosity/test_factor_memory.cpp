@@ -26,9 +26,10 @@ FlatScene lit_room() {
 TEST_CASE("form factors that do not fit are computed on demand, others are kept, with nearly the same light") {
   RadiosityBench bench;
   RadiosityOptions options;
+  options.factors.method = FormFactors::hemicube;
   options.mesh.patches = 300;
-  options.hemicube.resolution = 32;
-  options.hemicube.batch_bytes = 1U << 20U;  // 85 rows: a batch is not all
+  options.factors.hemicube.resolution = 32;
+  options.factors.hemicube.batch_bytes = 1U << 20U;  // 85 rows: a batch is not all
   options.residual_samples = 0;
   const Radiosity kept = compute_radiosity(bench.context, lit_room(), options);
   const RadiosityStatistics& facts = kept.statistics;
@@ -61,8 +62,9 @@ TEST_CASE("form factors that do not fit are computed on demand, others are kept,
 TEST_CASE("a stopped progressive solution is shown with its ambient light") {
   RadiosityBench bench;
   RadiosityOptions options;
+  options.factors.method = FormFactors::hemicube;
   options.mesh.patches = 200;
-  options.hemicube.resolution = 32;
+  options.factors.hemicube.resolution = 32;
   options.residual_samples = 0;
   options.solve.kind = SolverKind::southwell;
   const auto mean_irradiance = [&](std::uint32_t iterations, bool with_ambient) {

@@ -33,7 +33,7 @@ TEST_CASE("tiny: a point light brings I cos / r^2, and none through a plate") {
   flat.lights.push_back(point_light(Vec3(0, 2, 0), 10.0F));
   RadiosityOptions options;
   options.mesh = {0.1, 0, 0.0};
-  options.hemicube.resolution = 8;
+  options.factors.hemicube.resolution = 8;
   const Radiosity r = compute_radiosity(bench.context, flat, options);
   std::size_t in_light = 0;
   for (std::uint32_t i = 0; i < r.mesh.patch_count(); i++) {

@@ -1,0 +1,16 @@
+// What is printed about form factors.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+#include "host/radiosity/radiosity.hpp"
+
+namespace hemiray::app {
+
+/// A few lines: rays, pairs, times; of pairwise factors their errors, violations and what enforcement did.
+std::string factor_table(const RadiosityStatistics& statistics);
+nlohmann::ordered_json factor_json(const FactorReport& report);
+
+}  // namespace hemiray::app

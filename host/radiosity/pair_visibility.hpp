@@ -1,0 +1,37 @@
+// Which pairs of sides see each other: wholly, not at all, or in part, and then how much.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "host/bvh/accel.hpp"
+#include "host/radiosity/pair_sides.hpp"
+
+namespace hemiray {
+
+struct VisibilityOptions {
+  std::uint32_t few = 16;    ///< rays of each pair that may be partly hidden; at least 1
+  std::uint32_t many = 256;  ///< at most, fourfold each time, where these disagree; at least `few`
+  double accuracy = 0.04;  ///< of a row's share of one pair, 1 / rows: a pair whose error makes less gets no more rays
+  std::uint32_t seed = 0;
+};
+
+struct PairVisibility {
+  Buffer<std::uint32_t> visible, partial;  ///< bit matrices, stride bits a row: i sees all of j; some of it
+  Buffer<std::uint32_t> starts, columns;   ///< partial pairs i < j, by number
+  Buffer<float> shares, errors;            ///< of their exchange what gets through; its standard error
+  std::uint32_t pairs = 0;                 ///< partial ones
+  std::uint64_t rays = 0, pair_rays = 0;   ///< traced in all; of these, one a pair
+  double trace_ms = 0.0, sample_ms = 0.0;
+};
+
+/// A ray from centroid to centroid of each pair that face each other. A pair counts as partly hidden if another one of
+/// sides next to it (sharing an edge) got the other answer, if its sides are close for their size, or face each other
+/// only in part; then more rays tell how much is seen. The scene's triangles are the mesh's. `on_progress` gets the
+/// fraction done; returning false throws nothing and leaves the rest unseen. Throws DeviceError, also where bit
+/// matrices exceed the largest allocation.
+PairVisibility find_visibility(Context& context, Parallel& parallel, const DeviceScene& scene, const Accel& accel,
+                               const PairSides& sides, const VisibilityOptions& options,
+                               const std::function<bool(double)>& on_progress = {});
+
+}  // namespace hemiray
