@@ -32,12 +32,11 @@ constexpr const char* kExamples = R"(Examples:
 Each case is a ladder of rungs. Rays are aimed at edges, vertices and planes of boxes; an exact oracle judges every
 answer. --cases takes parts of names, such as 'leaving'. Exit code: 0 every rung holds, 3 one does not.)";
 
-constexpr std::uint32_t kSeed = 5;
-
 struct StabilityArguments {
   std::string json, markdown, device;
   std::vector<std::string> cases;  // empty: all
   std::uint32_t rays = 1'000'000;
+  std::uint32_t seed = 5;
   bool peers = false;
   std::string precision = "single";
 };
@@ -84,7 +83,7 @@ stability::Report describe(const Context& context, const StabilityArguments& giv
   if (given.peers) report.machine.peer = peer_name();
   report.date = today();
   report.rays = given.rays;
-  report.seed = kSeed;
+  report.seed = given.seed;
   report.precision = given.precision;
   report.complete = given.cases.empty() && given.precision == "single";
   return report;
@@ -107,7 +106,7 @@ int run_stability(const StabilityArguments& given) {
   stability::Report report = describe(context, given, threads);
   stability::LadderOptions options;
   options.rays = given.rays;
-  options.seed = kSeed;
+  options.seed = given.seed;
   options.peer = peer.get();
   options.threads = threads;
   options.double_precision = given.precision == "double";
@@ -152,6 +151,7 @@ void add_stability_command(CLI::App& app, int& exit_code) {
   command->add_option("--json", given->json, "Write all rates as JSON")->type_name("FILE");
   command->add_option("--markdown", given->markdown, "Write the report as Markdown")->type_name("FILE");
   command->add_option("--rays", given->rays, "Rays a rung")->check(CLI::Range(64, 1 << 26))->capture_default_str();
+  command->add_option("--seed", given->seed, "Of the rays")->capture_default_str();
   command->add_option("--cases", given->cases, "Parts of names of cases, comma separated (default: all)")
       ->delimiter(',')
       ->allow_extra_args(false)

@@ -10,7 +10,6 @@ const std::vector<Allowance>& allowances() {
   static const std::vector<Allowance> kTable{
       {"leaving, translation", "1e7", "tunnelled", 0.2, kCoarse},
       {"leaving, translation", "1e7", "self_hit", 0.02, kCoarse},
-      {"leaving, sphere", "1 at 1e6", "tunnelled", 2e-3, "there an ulp is a sixteenth of the radius"},
       {"gap", "5e-7", "tunnelled", 0.05, kGap},
       {"gap", "2e-7", "tunnelled", 1.0, kGap},
       {"nested dielectrics", "1e-6", "tunnelled", 5e-3, kGap},
