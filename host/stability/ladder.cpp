@@ -11,10 +11,10 @@
 
 #include "host/bvh/leaving_rays.hpp"
 #include "host/bvh/ray_queries.hpp"
+#include "host/scene/features.hpp"
 #include "host/stability/bounds.hpp"
 #include "host/stability/leaving.hpp"
 #include "host/stability/oracle.hpp"
-#include "shared/features.h"
 
 namespace hemiray::stability {
 namespace {
@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kChunk = 4096;  // rays that a thread judges at a time, a multiple of kRaysFromOnePoint
 
 std::uint32_t features_for(const FlatScene& flat) {
-  return (flat.triangles.empty() ? 0U : HR_FEATURE_TRIANGLES) | (flat.spheres.empty() ? 0U : HR_FEATURE_SPHERES);
+  return triangle_features(flat) | (flat.spheres.empty() ? 0U : HR_FEATURE_SPHERES);
 }
 
 // But for the sign of a zero.
