@@ -38,13 +38,13 @@ Each case is a ladder of rungs. Rays are aimed at edges, vertices and planes of 
 answer. --cases takes parts of names, such as 'leaving'. With --compare every rung on which the run differs from another
 device's is named, by verdict, rates or a hash of all answers. Exit code: 0 every rung holds, 3 one does not.)";
 
-constexpr std::uint32_t kSeed = 5;
 constexpr std::uint64_t kMaxRunBytes = std::uint64_t{64} << 20U;  // of a file to compare with
 
 struct StabilityArguments {
   std::string json, markdown, device;
   std::vector<std::string> cases;  // empty: all
   std::uint32_t rays = 1'000'000;
+  std::uint32_t seed = 5;
   bool peers = false;
   std::string precision = "single";
   std::vector<std::string> compare;
@@ -93,7 +93,7 @@ stability::Report describe(const Context& context, const StabilityArguments& giv
   if (given.peers) report.machine.peer = peer_name();
   report.date = today();
   report.rays = given.rays;
-  report.seed = kSeed;
+  report.seed = given.seed;
   report.precision = given.precision;
   report.strict = given.strict;
   report.complete = given.cases.empty() && given.precision == "single";
@@ -127,7 +127,7 @@ int run_stability(const StabilityArguments& given) {
   const std::vector<stability::OtherRun> others = read_others(given.compare, report);
   stability::LadderOptions options;
   options.rays = given.rays;
-  options.seed = kSeed;
+  options.seed = given.seed;
   options.peer = peer.get();
   options.threads = threads;
   options.double_precision = given.precision == "double";
@@ -177,6 +177,7 @@ void add_stability_command(CLI::App& app, int& exit_code) {
   command->add_option("--json", given->json, "Write all rates as JSON")->type_name("FILE");
   command->add_option("--markdown", given->markdown, "Write the report as Markdown")->type_name("FILE");
   command->add_option("--rays", given->rays, "Rays a rung")->check(CLI::Range(64, 1 << 26))->capture_default_str();
+  command->add_option("--seed", given->seed, "Of the rays")->capture_default_str();
   command->add_option("--cases", given->cases, "Parts of names of cases, comma separated (default: all)")
       ->delimiter(',')
       ->allow_extra_args(false)

@@ -14,7 +14,6 @@ const std::vector<Allowance>& allowances() {
   static const std::vector<Allowance> kTable{
       {"leaving, translation", "1e7", "tunnelled", 0.2, kCoarse},
       {"leaving, translation", "1e7", "self_hit", 0.02, kCoarse},
-      {"leaving, sphere", "1 at 1e6", "tunnelled", 2e-3, "there an ulp is a sixteenth of the radius"},
       {"gap", "6e-7", "tunnelled", 0.01, kGap},
       {"gap", "5e-7", "tunnelled", 0.05, kGap},
       {"gap", "4.5e-7", "tunnelled", 0.4, kGap},

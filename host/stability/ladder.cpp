@@ -8,6 +8,7 @@
 
 #include "host/bvh/leaving_rays.hpp"
 #include "host/bvh/ray_queries.hpp"
+#include "host/scene/features.hpp"
 #include "host/stability/bounds.hpp"
 #include "host/stability/leaving.hpp"
 #include "shared/features.h"
@@ -16,7 +17,7 @@ namespace hemiray::stability {
 namespace {
 
 std::uint32_t features_for(const FlatScene& flat) {
-  return (flat.triangles.empty() ? 0U : HR_FEATURE_TRIANGLES) | (flat.spheres.empty() ? 0U : HR_FEATURE_SPHERES) |
+  return triangle_features(flat) | (flat.spheres.empty() ? 0U : HR_FEATURE_SPHERES) |
          (flat.shapes.empty() ? 0U : HR_FEATURE_SHAPES) | (flat.tapes.empty() ? 0U : HR_FEATURE_IMPLICITS) |
          (flat.instances.empty() ? 0U : HR_FEATURE_INSTANCES);
 }

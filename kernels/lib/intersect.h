@@ -2,8 +2,10 @@
 #ifndef HR_LIB_INTERSECT_H
 #define HR_LIB_INTERSECT_H
 
+#include "lib/thin_triangle.h"
 #include "lib/vec.h"
 #include "shared/bvh_types.h"
+#include "shared/features.h"
 #include "shared/scene_types.h"
 
 // Far slab distances are raised by 8 ulps, so that rounding never shrinks a box (Ize 2013, "Robust BVH Ray Traversal"):
@@ -105,12 +107,28 @@ static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c,
     wc = exact_edge_function(bx, by, ax, ay);
     if (!(min(min(wa, wb), wc) >= 0 || max(max(wa, wb), wc) <= 0)) return false;
   }
-  const real det = wa + wb + wc;
+  real det = wa + wb + wc;
   if (det == 0) return false;
+  real depth_det = fma(wa, az, fma(wb, bz, wc * cz));
+  const real nearest = min(min(az, bz), cz), farthest = max(max(az, bz), cz);
+  const bool thin = HR_HAS(THIN_TRIANGLES) &&
+                    HR_IS_THIN(farthest - nearest,
+                               max(max(max(fabs(ax), fabs(ay)), max(fabs(bx), fabs(by))), max(fabs(cx), fabs(cy))),
+                               max(fabs(nearest), fabs(farthest)), depth_det);
+  if (thin) {  // the signs stay as they are
+    wa = exact_edge_function(cx, cy, bx, by);
+    wb = exact_edge_function(ax, ay, cx, cy);
+    wc = exact_edge_function(bx, by, ax, ay);
+    det = wa + wb + wc;
+    depth_det = fma(wa, az, fma(wb, bz, wc * cz));
+  }
   const real inverse_det = divide(1, det);
-  *t = ray->sz * fma(wa, az, fma(wb, bz, wc * cz)) * inverse_det;
+  *t = ray->sz * depth_det * inverse_det;
   *u = wb * inverse_det;
   *v = wc * inverse_det;
+  if (thin) {
+    *t = thin_triangle_t(ray->origin, ray->direction, a, b, c, ray->sz * nearest, ray->sz * farthest, *t);
+  }
   return *t > ray->t_min;
 }
 

@@ -111,7 +111,7 @@ typedef struct BlockHits {
 } BlockHits;
 
 // The triangles of a block that the ray may meet before t_far; what rounding of t leaves open is let through, and in
-// watertight form what lies on an edge for all that rounding tells, or has no area: see is_doubtful().
+// watertight form what lies on an edge for all that rounding tells, or is thin, or has no area: see is_doubtful().
 static inline LaneSet block_candidates(BlockNumbers numbers, global const float* block, const Ray* ray, real t_far,
                                        BlockHits* hits) {
 #if HR_TRIANGLE_WATERTIGHT
@@ -132,13 +132,22 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
   const HR_FLOATL det = wa + wb + wc;
   const HR_INTL sign = HR_AS_INTL(det) & (HR_INTL)(0x80000000);
   hits->det = fabs(det);
-  hits->t_det = HR_FLIP(ray->sz * fma(wa, az, fma(wb, bz, wc * cz)));
+  const HR_FLOATL depth_det = fma(wa, az, fma(wb, bz, wc * cz));
+  hits->t_det = HR_FLIP(ray->sz * depth_det);
   hits->u_det = HR_FLIP(wb);
   hits->v_det = HR_FLIP(wc);
   const HR_FLOATL least = min(min(wa, wb), wc), most = max(max(wa, wb), wc);
   // On an edge, for all that rounding tells, t is only that of some point of the triangle.
   const HR_INTL in_range = (hits->t_det >= 0.0f) & (hits->t_det <= hits->det * (t_far * HR_SLAB_PAD));
-  HR_INTL met = ((least >= 0.0f) | (most <= 0.0f)) & (in_range | (least * most == 0.0f));
+  HR_INTL unsure = least * most == 0.0f;
+  if (HR_HAS(THIN_TRIANGLES)) {
+    const HR_FLOATL nearest = min(min(az, bz), cz), farthest = max(max(az, bz), cz);
+    const HR_FLOATL reach = max(max(max(fabs(ax), fabs(ay)), max(fabs(bx), fabs(by))), max(fabs(cx), fabs(cy)));
+    const HR_INTL thin = HR_IS_THIN(farthest - nearest, reach, max(fabs(nearest), fabs(farthest)), depth_det);
+    unsure |= thin;
+    hits->u_det = HR_AS_FLOATL(HR_AS_INTL(hits->u_det) | (thin & (HR_INTL)(0x80000000)));  // negative: doubtful
+  }
+  HR_INTL met = ((least >= 0.0f) | (most <= 0.0f)) & (in_range | unsure);
 #else
   const HR_FLOATL ox = HR_ROW(0) - ray->origin.x, oy = HR_ROW(1) - ray->origin.y, oz = HR_ROW(2) - ray->origin.z;
   const HR_FLOATL e1x = HR_ROW(3), e1y = HR_ROW(4), e1z = HR_ROW(5);
@@ -165,7 +174,7 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
 // u + v of a hit that is surely off the third edge: of one on it, 1 less than 8 roundings.
 #define HR_SURELY_INSIDE 0.999999f
 
-// Which candidates intersect_lane() has to look at, since an edge function may be 0. Rarely any.
+// Which candidates intersect_lane() has to look at, since an edge function may be 0 or t too inexact. Rarely any.
 static inline bool is_doubtful(real u, real v) {
   return HR_TRIANGLE_WATERTIGHT ? !(u > 0 && v > 0 && u + v < HR_SURELY_INSIDE) : false;
 }

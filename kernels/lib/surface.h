@@ -6,6 +6,7 @@
 #include "lib/intersect.h"
 #include "lib/scene_view.h"
 #include "lib/shape_surface.h"
+#include "lib/sphere_surface.h"
 #include "lib/terminator.h"
 #include "lib/texture.h"
 #include "lib/vec.h"
@@ -206,7 +207,7 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
   } else if (HR_HAS(SPHERES) && hit->primitive < first_shape(view)) {
     const Sphere sphere = view->spheres[hit->primitive - view->triangle_count];
     const real3 center = (real3)(sphere.center_radius.x, sphere.center_radius.y, sphere.center_radius.z);
-    outward = normalize3(origin + direction * hit->t - center);
+    outward = sphere_outward(origin, direction, center, sphere.center_radius.w, hit->t);
     interpolated = outward;
     s.position = center + outward * sphere.center_radius.w;
     s.error = (fabs(center) + sphere.center_radius.w) * HR_GAMMA(7);

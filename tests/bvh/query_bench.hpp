@@ -101,13 +101,14 @@ class QueryBench {
 
   Hits brute_force(const Rays& rays) {
     const KernelFolder folder("probe/brute.cl", kBruteForce);
-    Program program(workshop_.context, "brute", {"probe/brute.cl"}, tree.accel.program_options(kAllPrimitives, true));
+    Program program(workshop_.context, "brute", {"probe/brute.cl"},
+                    tree.accel.program_options(tree.scene.features(), true));
     return trace(program.kernel("brute_intersect"), rays, {arg("blocks", tree.accel.statistics().blocks)});
   }
 
   /// The closest hits by the query kernels compiled with `defines` besides the tree's own.
   Hits intersect_with(const Rays& rays, const std::string& defines) {
-    ProgramOptions options = tree.accel.program_options(kAllPrimitives, true);
+    ProgramOptions options = tree.accel.program_options(tree.scene.features(), true);
     options.defines += " " + defines;
     Program program(workshop_.context, "query", {"bvh/query.cl"}, options);
     return trace(program.kernel("query_intersect"), rays, {arg("count", static_cast<std::uint32_t>(rays.size()))});
