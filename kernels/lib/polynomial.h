@@ -31,7 +31,7 @@
 #define HR_PLACE_BITS 40
 #define HR_PLACE_END (1UL << HR_PLACE_BITS)
 
-#define HR_FIND_NONE 0u    /* no root from the start of the search to 1 */
+#define HR_FIND_NONE 0u    /* no root from the start of the search to its end */
 #define HR_FIND_ROOT 1u    /* exactly one in [lo, hi]: signs at both ends certain and opposite */
 #define HR_FIND_CLUSTER 2u /* at least one in [lo, hi], by the signs at the ends; perhaps three, or a triple one */
 #define HR_FIND_OPEN 3u    /* perhaps roots in [lo, hi]: nearer to zero there than the error */
