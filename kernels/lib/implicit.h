@@ -7,7 +7,7 @@
 #include "lib/shape.h"
 
 // How much farther than the clip's own distances roots are sought: relative, more than these distances' rounding.
-#define HR_CLIP_PAD REAL(4e-6)
+#define HR_CLIP_PAD (64 * HR_HALF_ULP)
 
 // The part of the ray within the clip, a little widened.
 static inline bool implicit_interval(global const Shape* s, const Ray* ray, real* t0, real* t1) {
@@ -136,7 +136,7 @@ static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, flo
 // Where to stop: the place in [-1, 1] of t_far, raised by more than its rounding.
 static inline ulong implicit_end(float m, float h, real t_far) {
   if (!(t_far < (real)m + h)) return HR_PLACE_END;
-  const float away = (float)(t_far - m) + (float)HR_CLIP_PAD * (fabs((float)t_far) + fabs(m) + h);
+  const float away = (float)(t_far - m) + 64 * HR_UNIT_F * (fabs((float)t_far) + fabs(m) + h);
   const float share = 0.5f + 0.5f * (float)divide(away, h);
   return share >= 1 ? HR_PLACE_END : share > 0 ? (ulong)(share * (float)HR_PLACE_END) : 0;
 }
