@@ -54,9 +54,10 @@ static inline real3 block_point(global const float* block, uint row, uint lane) 
   return (real3)(block[row * HR_L + lane], block[(row + 1) * HR_L + lane], block[(row + 2) * HR_L + lane]);
 }
 
-// One lane by itself: spheres, shapes, and triangles on devices without explicit vectors.
+// One lane by itself: spheres, shapes, and triangles on devices without explicit vectors. What lies beyond t_far need
+// not be found.
 static inline bool intersect_lane(BlockNumbers numbers, global const float* block, uint lane, const Ray* ray,
-                                  Hit* candidate) {
+                                  real t_far, Hit* candidate) {
   const uint number = block_primitive(block, lane);
   if (number == HR_NO_PRIMITIVE) return false;
   candidate->primitive = numbers.first + number;
@@ -67,7 +68,7 @@ static inline bool intersect_lane(BlockNumbers numbers, global const float* bloc
 #if HR_HAS(IMPLICITS)
     if (shape->kind == HR_SHAPE_IMPLICIT) {
       uint uncertain = 0;
-      const bool hit = intersect_implicit(numbers.tapes, shape, ray, ray->t_max, &candidate->t, &uncertain);
+      const bool hit = intersect_implicit(numbers.tapes, shape, ray, t_far, &candidate->t, &uncertain);
       if (HR_UNLIKELY(uncertain != 0)) atomic_add(numbers.uncertain_roots, uncertain);
       return hit;
     }
@@ -206,7 +207,7 @@ static inline void intersect_block_closest(BlockNumbers numbers, global const fl
       lanes = without_first(lanes);
       Hit candidate = {t[lane], u[lane], v[lane], numbers.first + block_primitive(block, lane)};
       if (HR_UNLIKELY(is_doubtful(candidate.u, candidate.v))) {
-        if (!intersect_lane(numbers, block, lane, ray, &candidate)) continue;
+        if (!intersect_lane(numbers, block, lane, ray, best->t, &candidate)) continue;
       }
       const bool counts = candidate.t > ray->t_min && is_closer(&candidate, best);
       if (counts && !is_skipped(skip, candidate.primitive)) *best = candidate;
@@ -215,7 +216,7 @@ static inline void intersect_block_closest(BlockNumbers numbers, global const fl
   if (HR_HAS_ONE_BY_ONE) {
     for (LaneSet rest = other_lanes(numbers, block); rest; rest = without_first(rest)) {
       Hit candidate;
-      if (intersect_lane(numbers, block, first_lane(rest), ray, &candidate) && is_closer(&candidate, best) &&
+      if (intersect_lane(numbers, block, first_lane(rest), ray, best->t, &candidate) && is_closer(&candidate, best) &&
           !is_skipped(skip, candidate.primitive)) {
         *best = candidate;
       }
@@ -236,7 +237,7 @@ static inline bool intersect_block_any(BlockNumbers numbers, global const float*
       lanes = without_first(lanes);
       if (HR_UNLIKELY((doubtful & lane_bit(lane)) != 0)) {
         Hit exact;
-        if (!intersect_lane(numbers, block, lane, ray, &exact)) continue;
+        if (!intersect_lane(numbers, block, lane, ray, ray->t_max, &exact)) continue;
         t[lane] = exact.t;
       }
       if (t[lane] > ray->t_min && t[lane] < ray->t_max &&
@@ -248,7 +249,7 @@ static inline bool intersect_block_any(BlockNumbers numbers, global const float*
   if (HR_HAS_ONE_BY_ONE) {
     for (LaneSet rest = other_lanes(numbers, block); rest; rest = without_first(rest)) {
       Hit candidate;
-      if (intersect_lane(numbers, block, first_lane(rest), ray, &candidate) && candidate.t < ray->t_max &&
+      if (intersect_lane(numbers, block, first_lane(rest), ray, ray->t_max, &candidate) && candidate.t < ray->t_max &&
           !is_skipped(skip, candidate.primitive)) {
         return true;
       }
@@ -263,7 +264,7 @@ static inline void intersect_block_closest(BlockNumbers numbers, global const fl
                                            const Skip* skip, Hit* best) {
   for (uint lane = 0; lane < HR_L; lane++) {
     Hit candidate;
-    if (intersect_lane(numbers, block, lane, ray, &candidate) && is_closer(&candidate, best) &&
+    if (intersect_lane(numbers, block, lane, ray, best->t, &candidate) && is_closer(&candidate, best) &&
         !is_skipped(skip, candidate.primitive)) {
       *best = candidate;
     }
@@ -274,7 +275,7 @@ static inline bool intersect_block_any(BlockNumbers numbers, global const float*
                                        const Skip* skip) {
   for (uint lane = 0; lane < HR_L; lane++) {
     Hit candidate;
-    if (intersect_lane(numbers, block, lane, ray, &candidate) && candidate.t < ray->t_max &&
+    if (intersect_lane(numbers, block, lane, ray, ray->t_max, &candidate) && candidate.t < ray->t_max &&
         !is_skipped(skip, candidate.primitive)) {
       return true;
     }

@@ -251,10 +251,11 @@ static inline void intersect_packet_others(const SceneView* view, Packet* p, glo
       vstore16(p->dx[k], 0, dx);
       vstore16(p->dy[k], 0, dy);
       vstore16(p->dz[k], 0, dz);
+      vstore16(p->t[k], 0, t);
       for (uint i = 0; i < 16; i++) {
         const Ray ray = make_ray(p->origin, (real3)(dx[i], dy[i], dz[i]), p->t_min, INFINITY);
         Hit hit;
-        met[i] = intersect_lane(world_numbers(view), block, lane, &ray, &hit) ? -1 : 0;
+        met[i] = intersect_lane(world_numbers(view), block, lane, &ray, t[i], &hit) ? -1 : 0;
         t[i] = met[i] ? hit.t : INFINITY;  // a miss leaves hit.t unset
         part[i] = met[i] ? hit.u : 0.0f;
       }

@@ -42,7 +42,8 @@ kernel void brute_intersect(HR_SCENE_PARAMETERS global const QueryRay* restrict 
   Hit best = {ray.t_max, 0, 0, HR_NO_PRIMITIVE}, candidate;
   for (uint k = 0; k < blocks * HR_L + view.plane_count; k++) {
     const bool met = k < blocks * HR_L
-                         ? intersect_lane(world_numbers(&view), block_at(&view, k / HR_L), k % HR_L, &ray, &candidate)
+                         ? intersect_lane(world_numbers(&view), block_at(&view, k / HR_L), k % HR_L, &ray, best.t,
+                                          &candidate)
                          : intersect_plane_primitive(&view, &ray, k - blocks * HR_L, &skip, &candidate);
     if (!met || !(candidate.t < ray.t_max)) continue;
     if (candidate.t < best.t || (candidate.t == best.t && candidate.primitive < best.primitive)) best = candidate;
