@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Draws what `hemiray bench --json FILE` wrote. Usage: plot.py FILE FOLDER
+"""Draws what `hemiray bench --json FILE` or `hemiray stability --json FILE` wrote. Usage: plot.py FILE FOLDER
 
 Into FOLDER, each as .png and .svg: rates (Mrays/s of every tracer, a panel for each scene and size), builds (ms of every
-tree), and, where a scene was measured at several sizes, growth (both against the number of triangles)."""
+tree), and, where a scene was measured at several sizes, growth (both against the number of triangles). Of a ladder:
+tunnelling (share of rays that pass the next surface, against the gap to it)."""
 import json
 import os
 import sys
@@ -10,6 +11,7 @@ import sys
 import matplotlib
 
 matplotlib.use("Agg")
+matplotlib.rcParams["svg.hashsalt"] = "hemiray"  # the same file from the same figures
 import matplotlib.pyplot as plt  # noqa: E402
 
 OURS = "#1b6ca8"
@@ -33,8 +35,8 @@ def unique(items):
 
 def save(figure, folder, name):
     figure.tight_layout()
-    for ending in ("png", "svg"):
-        figure.savefig(os.path.join(folder, f"{name}.{ending}"), dpi=120)
+    for ending, about in (("png", None), ("svg", {"Date": None})):
+        figure.savefig(os.path.join(folder, f"{name}.{ending}"), dpi=120, metadata=about)
     plt.close(figure)
 
 
@@ -110,12 +112,38 @@ def draw_growth(scenes, folder):
     save(figure, folder, "growth")
 
 
+def draw_tunnelling(cases, folder):
+    """Of the cases named "gap...", whose rungs are named by the gap. A hollow mark: none of the rays, whose rate is less
+    than the mark's with 95 % confidence."""
+    gaps = [case for case in cases if case["case"].startswith("gap")]
+    if not gaps:
+        return
+    figure, axis = plt.subplots(figsize=(7, 4.2))
+    for case, tint in zip(gaps, (OURS, INVALID, THEIRS)):
+        rungs = sorted(case["rungs"], key=lambda rung: float(rung["rung"]))
+        seen = [(float(r["rung"]), r["tunnelled"]) for r in rungs if r["tunnelled"] > 0]
+        none = [(float(r["rung"]), r["upper_95"]["tunnelled"]) for r in rungs if r["tunnelled"] == 0]
+        if seen:
+            label = f"{case['case']}: tunnelled, of {max(r['rays'] for r in rungs):,} rays"
+            axis.loglog(*zip(*seen), marker="o", markersize=4, color=tint, label=label)
+        if none:
+            label = f"{case['case']}: none, 95 % bound"
+            axis.loglog(*zip(*none), marker="v", markersize=5, color=tint, markerfacecolor="none", linestyle="", label=label)
+    axis.set_xlabel("gap [distance from the origin]")
+    axis.set_ylabel("share of rays that pass the next surface")
+    axis.grid(True, which="major", linewidth=0.3)
+    axis.legend(fontsize=7)
+    save(figure, folder, "tunnelling")
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     with open(sys.argv[1], encoding="utf-8") as file:
         report = json.load(file)
-    if report["scenes"]:
+    if "cases" in report:
+        draw_tunnelling(report["cases"], sys.argv[2])
+    elif report["scenes"]:
         draw_rates(report["scenes"], sys.argv[2])
         draw_builds(report["scenes"], sys.argv[2])
         draw_growth(report["scenes"], sys.argv[2])

@@ -219,7 +219,8 @@ void add_bench_command(CLI::App& app, int& exit_code) {
       command->add_option("--bars", given->bars, "Hold the ratios to this file (default: bench/bars.json)")
           ->expected(0, 1)
           ->type_name("[FILE]");
-  command->add_flag("--leaks", given->leaks, "Count rays that leak through edges and vertices of closed meshes");
+  CLI::Option* leaks =
+      command->add_flag("--leaks", given->leaks, "Count rays that leak through edges and vertices of closed meshes");
   command->add_option("--json", given->json, "Write all figures as JSON")->type_name("FILE");
   command->add_option("--csv", given->csv, "Write all figures as a table")->type_name("FILE");
   command->add_option("--plot", given->plot, "Draw PNG and SVG into this folder (python3-matplotlib)")
@@ -235,6 +236,7 @@ void add_bench_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(32, 4096))
       ->capture_default_str();
   command->add_option("--leak-rays", given->leak_rays, "Rays of --leaks a mesh and target, a multiple of 64")
+      ->needs(leaks)
       ->check(CLI::Range(64, 1 << 26))
       ->capture_default_str();
   command

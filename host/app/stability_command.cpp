@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <ctime>
 #include <memory>
 #include <thread>
@@ -17,8 +18,10 @@
 #include "host/base/error.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/progress.hpp"
+#include "host/base/read_file.hpp"
 #include "host/base/spelling.hpp"
 #include "host/bench/processor.hpp"
+#include "host/stability/compare_runs.hpp"
 #include "host/stability/report.hpp"
 
 namespace hemiray::app {
@@ -28,18 +31,24 @@ constexpr const char* kExamples = R"(Examples:
   hemiray stability                                   all cases, a million rays a rung
   hemiray stability --rays 10000 --cases scale,gap    some, quickly
   hemiray stability --peers --json s.json --markdown docs/STABILITY.md
+  hemiray stability --device Intel --json intel.json; hemiray stability --device pocl --compare intel.json
+  hemiray stability --cases gap --json gap.json && python3 bench/plot.py gap.json docs/images
 
 Each case is a ladder of rungs. Rays are aimed at edges, vertices and planes of boxes; an exact oracle judges every
-answer. --cases takes parts of names, such as 'leaving'. Exit code: 0 every rung holds, 3 one does not.)";
+answer. --cases takes parts of names, such as 'leaving'. With --compare every rung on which the run differs from another
+device's is named, by verdict, rates or a hash of all answers. Exit code: 0 every rung holds, 3 one does not.)";
 
-constexpr std::uint32_t kSeed = 5;
+constexpr std::uint64_t kMaxRunBytes = std::uint64_t{64} << 20U;  // of a file to compare with
 
 struct StabilityArguments {
   std::string json, markdown, device;
   std::vector<std::string> cases;  // empty: all
   std::uint32_t rays = 1'000'000;
+  std::uint32_t seed = 5;
   bool peers = false;
   std::string precision = "single";
+  std::vector<std::string> compare;
+  bool strict = false;
 };
 
 // Those with one of the words in their names.
@@ -84,10 +93,20 @@ stability::Report describe(const Context& context, const StabilityArguments& giv
   if (given.peers) report.machine.peer = peer_name();
   report.date = today();
   report.rays = given.rays;
-  report.seed = kSeed;
+  report.seed = given.seed;
   report.precision = given.precision;
+  report.strict = given.strict;
   report.complete = given.cases.empty() && given.precision == "single";
   return report;
+}
+
+std::vector<stability::OtherRun> read_others(const std::vector<std::string>& files, const stability::Report& report) {
+  std::vector<stability::OtherRun> others;
+  for (const std::string& file : files) {
+    const std::vector<std::uint8_t> bytes = read_file(file, kMaxRunBytes);
+    others.push_back(stability::read_run({bytes.begin(), bytes.end()}, file, report));
+  }
+  return others;
 }
 
 void show(const std::string& text) {
@@ -105,12 +124,14 @@ int run_stability(const StabilityArguments& given) {
   const unsigned threads = std::max(1U, std::thread::hardware_concurrency());
   const auto peer = given.peers ? make_robust_peer(threads) : nullptr;
   stability::Report report = describe(context, given, threads);
+  const std::vector<stability::OtherRun> others = read_others(given.compare, report);
   stability::LadderOptions options;
   options.rays = given.rays;
-  options.seed = kSeed;
+  options.seed = given.seed;
   options.peer = peer.get();
   options.threads = threads;
   options.double_precision = given.precision == "double";
+  options.strict = given.strict;
   stability::Ladder ladder(context, options);
 
   const InterruptGuard interrupt;
@@ -135,6 +156,10 @@ int run_stability(const StabilityArguments& given) {
   report.seconds = (steady_ms() - start) / 1000.0;
   const bool interrupted = done < rungs;
   if (interrupted) report.complete = false;
+  for (const stability::OtherRun& other : others) {
+    report.comparisons.push_back(stability::compare_runs(report, other));
+    show(stability::comparison_text(report.comparisons.back()));
+  }
   if (!given.json.empty()) write_file_atomically(given.json, stability::report_json(report));
   if (!given.markdown.empty()) write_file_atomically(given.markdown, stability::report_markdown(report));
   if (interrupted) {
@@ -152,6 +177,7 @@ void add_stability_command(CLI::App& app, int& exit_code) {
   command->add_option("--json", given->json, "Write all rates as JSON")->type_name("FILE");
   command->add_option("--markdown", given->markdown, "Write the report as Markdown")->type_name("FILE");
   command->add_option("--rays", given->rays, "Rays a rung")->check(CLI::Range(64, 1 << 26))->capture_default_str();
+  command->add_option("--seed", given->seed, "Of the rays")->capture_default_str();
   command->add_option("--cases", given->cases, "Parts of names of cases, comma separated (default: all)")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -162,6 +188,13 @@ void add_stability_command(CLI::App& app, int& exit_code) {
                    "double asks the same rays in double precision; rays that leave surfaces are left out")
       ->check(CLI::IsMember({"single", "double"}))
       ->capture_default_str();
+  command->add_flag("--strict", given->strict, "Compile strict: answers are to be the same bits on every device");
+  command
+      ->add_option("--compare", given->compare,
+                   "Name the rungs that differ from those of runs elsewhere, written with --json; comma separated")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("FILE");
   command->add_option("--device", given->device, "Index, part of a name, cpu or gpu (default: HEMIRAY_DEVICE)");
   command->footer(kExamples);
   command->callback([given, &exit_code] { exit_code = run_stability(*given); });

@@ -6,13 +6,13 @@
 
 #include "host/bvh/accel_memory.hpp"
 #include "host/bvh/ray_queries.hpp"
-#include "shared/features.h"
+#include "host/scene/features.hpp"
 
 namespace hemiray::bench {
 namespace {
 
 std::uint32_t features_for(const FlatScene& flat) {
-  return HR_FEATURE_TRIANGLES | (flat.instances.empty() ? 0U : HR_FEATURE_INSTANCES);
+  return triangle_features(flat) | (flat.instances.empty() ? 0U : HR_FEATURE_INSTANCES);
 }
 
 // The triangles on the device and the tree over them.

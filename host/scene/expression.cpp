@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/base/spelling.hpp"
+#include "host/scene/tape_value.hpp"
 
 namespace hemiray {
 namespace {
@@ -39,8 +40,9 @@ class Parser {
     if (text_.size() > kMaxExpressionLength) {
       fail(kMaxExpressionLength, fmt::format("an expression has at most {} bytes", kMaxExpressionLength));
     }
-    const std::size_t root = sum();
+    const std::size_t written = sum();
     if (pos_ < text_.size()) fail(pos_, text_[pos_] == ')' ? "this parenthesis closes none" : expected("an operator"));
+    const std::size_t root = without_repeated_factors(written);
     if (nodes_[root].kind == Node::Kind::constant) fail(0, "the expression does not depend on x, y or z");
     if (nodes_[root].stack > HR_TAPE_STACK) {
       fail(0,
@@ -51,6 +53,7 @@ class Parser {
     Expression result;
     emit(root, result.tape);
     result.degree = nodes_[root].degree;
+    result.written_degree = nodes_[written].degree;
     result.stack = nodes_[root].stack;
     return result;
   }
@@ -143,6 +146,54 @@ class Parser {
     node.length = child.length + static_cast<std::size_t>(std::bit_width(exponent)) - 1;
     if (!squares_only) node.length += static_cast<std::size_t>(std::popcount(exponent)) + 1;
     return add(node, at);
+  }
+
+  [[nodiscard]] bool same(std::size_t left, std::size_t right) const {
+    const Node &a = nodes_[left], &b = nodes_[right];
+    if (a.kind != b.kind || a.value != b.value || a.number != b.number || a.length != b.length) return false;
+    if (a.kind == Node::Kind::constant || a.kind == Node::Kind::coordinate) return true;
+    const bool one_child = a.kind == Node::Kind::negative || a.kind == Node::Kind::power;
+    return same(a.left, b.left) && (one_child || same(a.right, b.right));
+  }
+
+  struct Factors {
+    std::vector<std::size_t> different;  // none constant
+    bool negative = false;
+    bool repeated = false;
+  };
+
+  void collect_factors(std::size_t index, Factors& factors) const {
+    const Node& node = nodes_[index];
+    if (node.kind == Node::Kind::product) {
+      collect_factors(node.left, factors);
+      collect_factors(node.right, factors);
+    } else if (node.kind == Node::Kind::power) {
+      factors.repeated = true;
+      collect_factors(node.left, factors);
+    } else if (node.kind == Node::Kind::negative) {
+      factors.negative = !factors.negative;
+      collect_factors(node.left, factors);
+    } else if (node.kind == Node::Kind::constant) {
+      if (node.value < 0.0) factors.negative = !factors.negative;
+    } else if (std::any_of(factors.different.begin(), factors.different.end(),
+                           [&](std::size_t other) { return same(index, other); })) {
+      factors.repeated = true;
+    } else {
+      factors.different.push_back(index);
+    }
+  }
+
+  // c p^j q^k ... is zero where p q ... is, and there a ray meets it in simple roots, which can be told. As far as the
+  // text shows: factors are the same where their trees are.
+  std::size_t without_repeated_factors(std::size_t root) {
+    Factors factors;
+    collect_factors(root, factors);
+    if (!factors.repeated) return root;
+    std::size_t result = factors.different[0];
+    for (std::size_t i = 1; i < factors.different.size(); i++) {
+      result = binary(Node::Kind::product, result, factors.different[i], 0);
+    }
+    return factors.negative ? negative(result, 0) : result;
   }
 
   std::size_t sum() {
@@ -335,58 +386,7 @@ Expression parse_expression(std::string_view text, const ExpressionConstants& co
 }
 
 double evaluate(const Expression& expression, const DVec3& p) {
-  std::vector<double> stack;
-  const auto pop = [&stack] {
-    const double value = stack.back();
-    stack.pop_back();
-    return value;
-  };
-  for (const shared::uint4& op : expression.tape) {
-    const double constant = static_cast<double>(std::bit_cast<float>(op.z)) + double{std::bit_cast<float>(op.w)};
-    switch (op.x) {
-      case HR_TAPE_X:
-        stack.push_back(p.x);
-        break;
-      case HR_TAPE_Y:
-        stack.push_back(p.y);
-        break;
-      case HR_TAPE_Z:
-        stack.push_back(p.z);
-        break;
-      case HR_TAPE_PUSH:
-        stack.push_back(constant);
-        break;
-      case HR_TAPE_NEG:
-        stack.back() = -stack.back();
-        break;
-      case HR_TAPE_SQR:
-        stack.back() *= stack.back();
-        break;
-      case HR_TAPE_ADD_CONST:
-        stack.back() += constant;
-        break;
-      case HR_TAPE_MUL_CONST:
-        stack.back() *= constant;
-        break;
-      case HR_TAPE_DUP:
-        stack.push_back(stack.back());
-        break;
-      case HR_TAPE_MUL_UNDER:
-        stack.back() *= stack[stack.size() - 2];
-        break;
-      case HR_TAPE_NIP:
-        stack.erase(stack.end() - 2);
-        break;
-      default: {
-        const double top = pop(), under = pop();
-        stack.push_back(op.x == HR_TAPE_ADD    ? under + top
-                        : op.x == HR_TAPE_SUB  ? under - top
-                        : op.x == HR_TAPE_RSUB ? top - under
-                                               : under * top);
-      }
-    }
-  }
-  return stack.back();
+  return evaluate_tape<double>(expression.tape, p.x, p.y, p.z);
 }
 
 }  // namespace hemiray

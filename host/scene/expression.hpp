@@ -26,7 +26,8 @@ inline constexpr double kMaxExpressionConstant = 1e30;
 struct Expression {
   std::vector<shared::uint4> tape;
   std::uint32_t degree = 0;  ///< in x, y and z together, 1 to HR_MAX_DEGREE, as written: what cancels is not seen
-  std::uint32_t stack = 0;   ///< most polynomials that wait at once, at most HR_TAPE_STACK
+  std::uint32_t written_degree = 0;  ///< with factors as often as the text has them
+  std::uint32_t stack = 0;           ///< most polynomials that wait at once, at most HR_TAPE_STACK
 };
 
 /// A fault of an expression: `column` counts bytes of the text from 1, `what()` begins with it.
@@ -44,8 +45,10 @@ class ExpressionError : public InputError {
 [[nodiscard]] bool is_constant_name(std::string_view name);
 
 /// Sums, products, division by constants, powers with exponents of 0 to 16, parentheses, unary minus and plus. What is
-/// constant is computed at once, in double. Throws ExpressionError for anything else, for a degree above
-/// HR_MAX_DEGREE, for a text without x, y and z, and for a tape that is too long or needs too deep a stack.
+/// constant is computed at once, in double. Factors of the whole that the text repeats, as p^2 or p*q*p, count once:
+/// the surface is the same, its front where the product of the different factors is positive. Throws ExpressionError
+/// for anything else, for a degree above HR_MAX_DEGREE, for a text without x, y and z, and for a tape that is too long
+/// or needs too deep a stack.
 [[nodiscard]] Expression parse_expression(std::string_view text, const ExpressionConstants& constants);
 
 /// The value of the tape at p, in double.

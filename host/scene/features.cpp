@@ -1,7 +1,11 @@
 #include "host/scene/features.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <span>
+
+#include "host/base/vec.hpp"
 
 namespace hemiray {
 namespace {
@@ -19,7 +23,8 @@ constexpr std::array<const char*, HR_FEATURE_COUNT> kNames = {"triangles",     "
                                                               "branching",     "fresnel",
                                                               "orthographic",  "phong-shading",
                                                               "instances",     "shapes",
-                                                              "implicits",     "radiosity"};
+                                                              "implicits",     "thin-triangles",
+                                                              "radiosity"};
 
 bool is_positive(const shared::float4& v) { return v.x > 0.0F || v.y > 0.0F || v.z > 0.0F; }
 
@@ -61,11 +66,31 @@ std::uint32_t light_feature(std::uint32_t kind) {
   }
 }
 
+// Longest side over the height on it.
+constexpr double kThinAspect = 100.0;
+
+DVec3 vertex_at(const FlatScene& flat, std::uint32_t i) {
+  const float* p = &flat.positions[std::size_t{3} * i];
+  return {p[0], p[1], p[2]};
+}
+
+bool is_thin(const FlatScene& flat, const shared::uint4& t) {
+  const DVec3 a = vertex_at(flat, t.x), ab = vertex_at(flat, t.y) - a, ac = vertex_at(flat, t.z) - a, bc = ac - ab;
+  const double longest2 = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
+  return longest2 > kThinAspect * glm::length(glm::cross(ab, ac));
+}
+
 }  // namespace
 
+std::uint32_t triangle_features(const FlatScene& flat) {
+  if (flat.triangles.empty()) return 0;
+  const auto thin = [&](const shared::uint4& t) { return is_thin(flat, t); };
+  const bool any_thin = std::any_of(flat.triangles.begin(), flat.triangles.end(), thin);
+  return HR_FEATURE_TRIANGLES | (any_thin ? HR_FEATURE_THIN_TRIANGLES : 0U);
+}
+
 std::uint32_t features_of(const Scene& scene, const FlatScene& flat, int depth) {
-  std::uint32_t mask = 0;
-  if (!flat.triangles.empty()) mask |= HR_FEATURE_TRIANGLES;
+  std::uint32_t mask = triangle_features(flat);
   if (!flat.spheres.empty()) mask |= HR_FEATURE_SPHERES;
   if (!flat.shapes.empty()) mask |= HR_FEATURE_SHAPES;
   if (!flat.tapes.empty()) mask |= HR_FEATURE_IMPLICITS;

@@ -14,6 +14,10 @@ namespace hemiray {
 /// launches are specialised to it.
 std::uint32_t features_of(const Scene& scene, const FlatScene& flat, int depth);
 
+/// The part of it that the triangles call for: whether there are any, and thin ones, of an aspect of over 100, among
+/// them, of which kernels take more care.
+std::uint32_t triangle_features(const FlatScene& flat);
+
 /// Is `feature` (a bit, or HR_FEATURE_ALWAYS) on in the mask?
 constexpr bool has_feature(std::uint32_t features, std::uint32_t feature) {
   return feature == HR_FEATURE_ALWAYS || (features & feature) != 0;

@@ -5,6 +5,9 @@
 #include <limits>
 #include <optional>
 
+#include "host/scene/tape_value.hpp"
+#include "host/scene/zero_bounds.hpp"
+
 namespace hemiray {
 namespace {
 
@@ -15,8 +18,9 @@ constexpr double kMostReach = 1e15;
 constexpr double kMostGrowth = 1e3;
 // A symmetric matrix whose smallest minor is below this share of what it could be is not called definite.
 constexpr double kDefinite = 1e-12;
-// Cuts of a clip along each axis, as a power of two, by which a quadric's bounds are found.
-constexpr int kCuts = 5;
+// A quadric's bounds hold for all whose coefficients differ by no more than this share: rounded to float, and with what
+// the kernels' sums round.
+constexpr double kCoefficientError = 1e-6;
 // Boxes are larger by this share of the shape's reach: what kernels/lib/shape.h may take a ray for that passes by.
 constexpr double kHitError = 4e-6;
 
@@ -27,8 +31,6 @@ double norm(const glm::dmat3& m) {
   }
   return most;
 }
-
-glm::dmat3 absolute(const glm::dmat3& m) { return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])}; }
 
 // p^T A p + 2 b p + c.
 struct Quadric {
@@ -95,35 +97,46 @@ Placed place_shape(const Shape& s) {
 
 DVec3 clip_half(const Shape& s) { return s.clip == Clip::box ? s.clip_half : DVec3(s.clip_radius); }
 
-// Adds to `bounds` the parts of the box at `middle` where the quadric can be zero. By the mean value form: over a box
-// the value differs from that in the middle by at most |gradient| h + h^T |A| h.
-void add_parts(const Shape& s, const Placed& placed, const DVec3& middle, const DVec3& half, int cuts,
-               WorldBounds& bounds) {
-  if (s.clip == Clip::sphere && glm::length(glm::max(glm::abs(middle) - half, 0.0)) > s.clip_radius) return;
-  const Quadric& q = placed.quadric;
-  const DVec3 gradient = 2.0 * (q.a * middle + q.b);
-  const double most = glm::dot(glm::abs(gradient), half) + glm::dot(half, absolute(q.a) * half);
-  if (std::abs(q.value(middle)) > most * (1.0 + 1e-9)) return;
-  if (cuts == 0) {
-    const DVec3 center = placed.place + placed.to_world * middle, size = absolute(placed.to_world) * half;
-    bounds.add(center - size);
-    bounds.add(center + size);
-    return;
+ClipRegion clip_region(const Shape& s, const DVec3& center) { return {center, clip_half(s), s.clip == Clip::sphere}; }
+
+template <typename Number>
+Number quadric_value(const Quadric& q, const Number& x, const Number& y, const Number& z) {
+  const auto about = [](double k) {
+    return Number(Interval(k) * Interval(1.0 - kCoefficientError, 1.0 + kCoefficientError));
+  };
+  const auto &a = q.a, two = 2.0 * q.a;
+  return about(a[0][0]) * square(x) + about(a[1][1]) * square(y) + about(a[2][2]) * square(z) +
+         about(two[0][1]) * (x * y) + about(two[1][2]) * (y * z) + about(two[0][2]) * (z * x) + about(2.0 * q.b.x) * x +
+         about(2.0 * q.b.y) * y + about(2.0 * q.b.z) * z + about(q.c);
+}
+
+// What is 0 on the shape's surface; of a quadric about the place.
+BoxFunction surface_function(const Shape& s, const Placed& placed) {
+  if (s.kind == ShapeKind::quadric) {
+    return {[q = placed.quadric](const Jet& x, const Jet& y, const Jet& z) { return quadric_value(q, x, y, z); },
+            [q = placed.quadric](const Interval& x, const Interval& y, const Interval& z) {
+              return quadric_value(q, x, y, z);
+            }};
   }
-  for (unsigned part = 0; part < 8; part++) {
-    const DVec3 side((part & 1U) != 0 ? 0.5 : -0.5, (part & 2U) != 0 ? 0.5 : -0.5, (part & 4U) != 0 ? 0.5 : -0.5);
-    add_parts(s, placed, middle + side * half, 0.5 * half, cuts - 1, bounds);
-  }
+  const std::span<const shared::uint4> tape = s.expression.tape;
+  return {[tape](const Jet& x, const Jet& y, const Jet& z) { return evaluate_tape(tape, x, y, z); },
+          [tape](const Interval& x, const Interval& y, const Interval& z) { return evaluate_tape(tape, x, y, z); }};
+}
+
+WorldBounds clipped_bounds(const Shape& s, const Placed& placed) {
+  const ClipRegion clip = clip_region(s, s.kind == ShapeKind::quadric ? DVec3(0.0) : s.clip_center);
+  return zero_bounds(surface_function(s, placed), clip, placed.to_world, placed.place);
+}
+
+bool has_points(const Shape& s, const Placed& placed) {
+  const ClipRegion clip = clip_region(s, s.kind == ShapeKind::quadric ? DVec3(0.0) : s.clip_center);
+  return farthest_zero(surface_function(s, placed), clip, DVec3(1.0, 0.0, 0.0)) >
+         -std::numeric_limits<double>::infinity();
 }
 
 // Half the extents along the world's axes of a circle of radius 1 in the frame's xy plane.
 DVec3 circle_extent(const glm::dmat3& to_world) {
   return glm::sqrt(to_world[0] * to_world[0] + to_world[1] * to_world[1]);
-}
-
-// Half the extents of a sphere of radius 1 in the frame.
-DVec3 clip_ball_extent(const glm::dmat3& to_world) {
-  return glm::sqrt(to_world[0] * to_world[0] + to_world[1] * to_world[1] + to_world[2] * to_world[2]);
 }
 
 WorldBounds bounds_of(const Shape& s, const Placed& placed) {
@@ -136,11 +149,7 @@ WorldBounds bounds_of(const Shape& s, const Placed& placed) {
   if (s.kind == ShapeKind::disk) {
     add_disk(0.0, s.radius);
   } else if (s.kind == ShapeKind::implicit) {
-    const DVec3 center = placed.place + placed.to_world * s.clip_center;
-    const DVec3 half = s.clip == Clip::sphere ? clip_ball_extent(placed.to_world) * s.clip_radius
-                                              : absolute(placed.to_world) * s.clip_half;
-    bounds.add(center - half);
-    bounds.add(center + half);
+    bounds = clipped_bounds(s, placed);
   } else if (s.kind != ShapeKind::quadric) {
     add_disk(-s.half_height, s.radius);
     add_disk(s.half_height, s.upper_radius);
@@ -150,13 +159,20 @@ WorldBounds bounds_of(const Shape& s, const Placed& placed) {
     bounds.add(placed.place - half);
     bounds.add(placed.place + half);
   } else if (s.clip != Clip::none) {
-    add_parts(s, placed, DVec3(0.0), clip_half(s), kCuts, bounds);
+    bounds = clipped_bounds(s, placed);
   }
   return bounds;
 }
 
 double reach_of(const WorldBounds& bounds, const DVec3& place) {
   return glm::length(glm::max(glm::abs(bounds.min - place), glm::abs(bounds.max - place)));
+}
+
+std::string clip_fault(const Shape& s, const Placed& placed) {
+  const DVec3 half = clip_half(s);
+  if (!(std::min({half.x, half.y, half.z}) > 0.0)) return "its clip must be larger than nothing";
+  if (!has_points(s, placed)) return "its clip must hold a part of the surface: it has no points there";
+  return {};
 }
 
 std::string quadric_fault(const Shape& s, const Placed& placed) {
@@ -171,10 +187,7 @@ std::string quadric_fault(const Shape& s, const Placed& placed) {
     if (!(placed.ellipsoid->shape[0][0] > 0.0)) return "its coefficients must have a real solution: it has no points";
     return {};
   }
-  const DVec3 half = clip_half(s);
-  if (!(std::min({half.x, half.y, half.z}) > 0.0)) return "its clip must be larger than nothing";
-  if (bounds_of(s, placed).empty()) return "its clip must hold a part of the quadric: it has no points there";
-  return {};
+  return clip_fault(s, placed);
 }
 
 shared::float4 row_of(const glm::dmat3& m, int row, double w) {
@@ -185,6 +198,8 @@ shared::float4 row_of(const glm::dmat3& m, int row, double w) {
 shared::float4 to_float4(const DVec3& v, double w) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
 }
+
+DVec3 xyz(const shared::float4& v) { return {v.x, v.y, v.z}; }
 
 float rounded_down(double x) {
   const auto nearest = static_cast<float>(x);
@@ -242,13 +257,16 @@ std::string shape_fault(const Shape& s) {
   if (s.kind == ShapeKind::implicit) {
     if (s.expression.tape.empty()) return "must have an expression";
     if (s.clip == Clip::none) return "must have a clip";
-    const DVec3 half = clip_half(s);
-    if (!(std::min({half.x, half.y, half.z}) > 0.0)) return "its clip must be larger than nothing";
+    const std::string fault = clip_fault(s, placed);
+    if (!fault.empty()) return fault;
   } else if (!round) {
     const std::string fault = quadric_fault(s, placed);
     if (!fault.empty()) return fault;
   }
-  const double reach = reach_of(bounds_of(s, placed), placed.place);
+  // What is clipped may be smaller than its clip, but is sought in all of it.
+  const bool clipped = s.clip != Clip::none && !round;
+  const double reach =
+      clipped ? glm::length(placed.to_world * clip_half(s)) : reach_of(bounds_of(s, placed), placed.place);
   if (!(reach >= kLeastReach && reach <= kMostReach)) return "must be from 1e-15 to 1e15 m large";
   return {};
 }
@@ -280,8 +298,10 @@ shared::Shape flatten_shape(const Shape& s) {
     flat.form = to_float4({mean, slope, s.half_height}, 0.0);
     flat.flags = s.capped ? HR_SHAPE_CAPPED : 0U;
   }
-  // Bounds of what is stored: around the place as rounded.
+  // Bounds of what is stored: in the frame as rounded.
   placed.place = {flat.to_own_x.w, flat.to_own_y.w, flat.to_own_z.w};
+  placed.to_world =
+      glm::inverse(glm::transpose(glm::dmat3(xyz(flat.to_own_x), xyz(flat.to_own_y), xyz(flat.to_own_z))));
   const WorldBounds bounds = bounds_of(s, placed);
   const double reach = reach_of(bounds, placed.place), pad = kHitError * reach;
   flat.lo = {rounded_down(bounds.min.x - pad), rounded_down(bounds.min.y - pad), rounded_down(bounds.min.z - pad),

@@ -12,8 +12,8 @@ namespace hemiray {
 /// What keeps a shape from being traced, as "must be ..."; empty if nothing does.
 std::string shape_fault(const Shape& shape);
 
-/// Bounds in the world [m]: exact for disks, cylinders, cones and ellipsoids; where a quadric is clipped, too large by
-/// up to a thirty-second of the clip. The shape must be without fault.
+/// Bounds in the world [m]: exact for disks, cylinders, cones and ellipsoids; of quadrics and implicit surfaces in a
+/// clip as zero_bounds() finds them, mostly too large by less than a hundredth of it. The shape must be without fault.
 WorldBounds shape_bounds(const Shape& shape);
 
 /// The device's shape, but for its object and the place of its tape. The shape must be without fault.

@@ -52,8 +52,8 @@ void count_shapes(const Scene& scene, SceneSummary& summary) {
         break;
       case ShapeKind::implicit: {
         const WorldBounds bounds = shape_bounds(shape);
-        summary.implicits.push_back(
-            {shape.name, shape.expression.degree, shape.expression.tape.size(), bounds.min, bounds.max});
+        summary.implicits.push_back({shape.name, shape.expression.degree, shape.expression.written_degree,
+                                     shape.expression.tape.size(), bounds.min, bounds.max});
         break;
       }
     }
@@ -131,10 +131,12 @@ std::string summary_text(const SceneSummary& s) {
                                {s.planes, "plane"}}));
   for (const ImplicitSummary& i : s.implicits) {
     row("implicit",
-        fmt::format("{}degree {}, {} instructions, within [{:.4g}, {:.4g}, {:.4g}] to [{:.4g}, {:.4g}, "
+        fmt::format("{}degree {}{}, {} instructions, within [{:.4g}, {:.4g}, {:.4g}] to [{:.4g}, {:.4g}, "
                     "{:.4g}] m",
-                    i.name.empty() ? "" : printable(i.name) + ": ", i.degree, i.instructions, i.bounds_min.x,
-                    i.bounds_min.y, i.bounds_min.z, i.bounds_max.x, i.bounds_max.y, i.bounds_max.z));
+                    i.name.empty() ? "" : printable(i.name) + ": ", i.degree,
+                    i.degree < i.written_degree ? fmt::format(" ({} with repeated factors)", i.written_degree) : "",
+                    i.instructions, i.bounds_min.x, i.bounds_min.y, i.bounds_min.z, i.bounds_max.x, i.bounds_max.y,
+                    i.bounds_max.z));
   }
   row("triangles", fmt::format("{} over {} in {}", format_count(s.triangles), format_count(s.vertices) + " vertices",
                                s.meshes == 1 ? "1 mesh" : format_count(s.meshes) + " meshes"));
@@ -166,6 +168,7 @@ static nlohmann::ordered_json implicits_json(const SceneSummary& s) {
   for (const ImplicitSummary& i : s.implicits) {
     all.push_back({{"name", i.name},
                    {"degree", i.degree},
+                   {"written_degree", i.written_degree},
                    {"instructions", i.instructions},
                    {"bounds_min", {i.bounds_min.x, i.bounds_min.y, i.bounds_min.z}},
                    {"bounds_max", {i.bounds_max.x, i.bounds_max.y, i.bounds_max.z}}});

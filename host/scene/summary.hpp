@@ -11,9 +11,10 @@ namespace hemiray {
 
 struct ImplicitSummary {
   std::string name;
-  std::uint32_t degree = 0;        ///< in x, y and z together
-  std::uint64_t instructions = 0;  ///< of its tape
-  DVec3 bounds_min{0.0};           ///< of its clip [m]
+  std::uint32_t degree = 0;          ///< in x, y and z together
+  std::uint32_t written_degree = 0;  ///< larger where the text repeats factors
+  std::uint64_t instructions = 0;    ///< of its tape
+  DVec3 bounds_min{0.0};             ///< of what its clip leaves of it [m]
   DVec3 bounds_max{0.0};
 };
 

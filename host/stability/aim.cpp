@@ -87,6 +87,29 @@ shared::QueryRay make_ray(Vec3 origin, Vec3 direction) {
   return {{origin.x, origin.y, origin.z, 0.0F}, {direction.x, direction.y, direction.z, kForever}};
 }
 
+RayMaker through_first_layer(const FlatScene& flat, DVec3 along, DVec3 middle) {
+  return [flat, along, middle](std::uint32_t count, std::uint32_t seed) {
+    Dice dice(seed);
+    Rays made;
+    Vec3 origin(0.0F);
+    const auto half = static_cast<std::uint32_t>(flat.triangles.size() / 2);
+    while (made.rays.size() < count) {
+      if (made.rays.size() % kRaysFromOnePoint == 0) {
+        const DVec3 beside = 0.5 * DVec3(any_direction(dice));
+        origin = Vec3(middle - along * 1.5 + beside);
+      }
+      const auto corner = [&](std::uint32_t i) { return DVec3(bench::vertex_of(flat, i)); };
+      const shared::uint4 t = flat.triangles[dice.below(half)];
+      const DVec3 a = corner(t.x), b = corner(t.y);
+      DVec3 target = dice.one_in(3) ? a : a + static_cast<double>(dice.unit()) * (b - a);
+      target = middle + 0.7 * (target - middle);  // inner edges are met by chance, vertices not
+      made.rays.push_back(make_ray(origin, Vec3(target - DVec3(origin))));
+      made.inside.push_back(0);
+    }
+    return made;
+  };
+}
+
 RayMaker at_triangles(const FlatScene& flat, std::vector<Origins> origins, std::uint32_t first) {
   std::vector<Corners> targets;
   for (std::size_t i = first; i < flat.triangles.size(); i++) {

@@ -40,6 +40,11 @@ Vec3 any_direction(bench::Dice& dice);
 /// allows.
 RayMaker at_triangles(const FlatScene& flat, std::vector<Origins> origins, std::uint32_t first = 0);
 
+/// At the first half of the triangles, a sheet about `middle`, from the side that `along`, 1 long, points away from:
+/// within 45 degrees of it, from 1.5 away. At the inner part, so that rays which go on do not pass the second half, the
+/// sheet behind, at its rim.
+RayMaker through_first_layer(const FlatScene& flat, DVec3 along, DVec3 middle);
+
 /// A ray without end.
 shared::QueryRay make_ray(Vec3 origin, Vec3 direction);
 

@@ -7,12 +7,35 @@ namespace hemiray::stability {
 const std::vector<Allowance>& allowances() {
   static constexpr std::string_view kCoarse = "there an ulp is 1: vertices are rounded by a quarter of the radius";
   static constexpr std::string_view kGap = "nearer than the bound of the hit point's rounding, 7 roundings of it";
+  static constexpr std::string_view kInstanceGap =
+      "nearer than the bound of the hit point's rounding, the transform's both ways in it";
+  static constexpr std::string_view kSharp =
+      "rays are aimed at edges; close to sharp ones the solid is thinner than the hit point's rounding";
   static const std::vector<Allowance> kTable{
       {"leaving, translation", "1e7", "tunnelled", 0.2, kCoarse},
       {"leaving, translation", "1e7", "self_hit", 0.02, kCoarse},
-      {"leaving, sphere", "1 at 1e6", "tunnelled", 2e-3, "there an ulp is a sixteenth of the radius"},
+      {"gap", "6e-7", "tunnelled", 0.01, kGap},
       {"gap", "5e-7", "tunnelled", 0.05, kGap},
+      {"gap", "4.5e-7", "tunnelled", 0.4, kGap},
+      {"gap", "4e-7", "tunnelled", 0.6, kGap},
+      {"gap", "3.5e-7", "tunnelled", 0.8, kGap},
+      {"gap", "3e-7", "tunnelled", 1.0, kGap},
+      {"gap", "2.5e-7", "tunnelled", 1.0, kGap},
       {"gap", "2e-7", "tunnelled", 1.0, kGap},
+      {"gap", "1e-7", "tunnelled", 1.0, kGap},
+      {"gap, instances", "1.2e-6", "tunnelled", 0.1, kInstanceGap},
+      {"gap, instances", "1e-6", "tunnelled", 0.4, kInstanceGap},
+      {"gap, instances", "9e-7", "tunnelled", 0.7, kInstanceGap},
+      {"gap, instances", "8e-7", "tunnelled", 0.8, kInstanceGap},
+      {"gap, instances", "7e-7", "tunnelled", 1.0, kInstanceGap},
+      {"gap, instances", "6e-7", "tunnelled", 1.0, kInstanceGap},
+      {"gap, instances", "5e-7", "tunnelled", 1.0, kInstanceGap},
+      {"leaving, instance place", "1e7", "tunnelled", 0.2, kCoarse},
+      {"leaving, instance place", "1e7", "self_hit", 0.02, kCoarse},
+      {"leaving, sharp edges", "world", "tunnelled", 0.12, kSharp},
+      {"leaving, sharp edges", "world", "self_hit", 0.02, kSharp},
+      {"leaving, sharp edges", "instance", "tunnelled", 0.12, kSharp},
+      {"leaving, sharp edges", "instance", "self_hit", 0.02, kSharp},
       {"nested dielectrics", "1e-6", "tunnelled", 5e-3, kGap},
   };
   return kTable;
@@ -22,6 +45,7 @@ double most_allowed(std::string_view case_name, std::string_view rung, std::stri
   for (const Allowance& one : allowances()) {
     if (one.case_name == case_name && one.rung == rung && one.rate == rate) return one.most;
   }
+  if (rate == kOpenRegions) return kMostOpenRegions;
   return rate == kOtherBits ? kMostOtherBits : 0.0;
 }
 

@@ -16,8 +16,13 @@ struct HeldRate {
   std::uint64_t Tally::*count;
 };
 inline constexpr HeldRate kHeldRates[] = {
-    {"missed", &Tally::missed},     {"false_hit", &Tally::false_hit}, {"wrong_surface", &Tally::wrong_surface},
-    {"self_hit", &Tally::self_hit}, {"tunnelled", &Tally::tunnelled}, {"any_hit", &Tally::any_hit}};
+    {"missed", &Tally::missed},      {"false_hit", &Tally::false_hit}, {"wrong_surface", &Tally::wrong_surface},
+    {"self_hit", &Tally::self_hit},  {"tunnelled", &Tally::tunnelled}, {"any_hit", &Tally::any_hit},
+    {"uncertain", &Tally::uncertain}};
+
+/// And, for implicit surfaces, in how many regions the device says that it cannot tell.
+inline constexpr std::string_view kOpenRegions = "open_regions";
+inline constexpr double kMostOpenRegions = 1e-3;
 
 /// And how many answers of packets are not those of single rays to the bit. Both are judged; they differ where a ray
 /// along an axis lies in the plane between two boxes, of which single rays enter one and packets the other or both, and

@@ -49,27 +49,7 @@ Rung layers(std::string name, double gap, double at) {
   rung.name = std::move(name);
   rung.kind = RungKind::leaving;
   rung.after = After::layer;
-  const std::size_t half = flat.triangles.size() / 2;
-  // From one side, within 45 degrees of the perpendicular, at the inner part of the first sheet.
-  rung.rays = [flat, half, along, offset](std::uint32_t count, std::uint32_t seed) {
-    bench::Dice dice(seed);
-    Rays made;
-    Vec3 origin;
-    while (made.rays.size() < count) {
-      if (made.rays.size() % kRaysFromOnePoint == 0) {
-        const DVec3 beside = 0.5 * DVec3(any_direction(dice));
-        origin = Vec3(offset - along * 1.5 + beside);
-      }
-      const auto corner = [&](std::uint32_t i) { return DVec3(bench::vertex_of(flat, i)); };
-      const shared::uint4 t = flat.triangles[dice.below(static_cast<std::uint32_t>(half))];
-      const DVec3 a = corner(t.x), b = corner(t.y);
-      DVec3 target = dice.one_in(3) ? a : a + static_cast<double>(dice.unit()) * (b - a);
-      target = offset + 0.7 * (target - offset);  // off the rim: inner edges are met by chance, vertices not
-      made.rays.push_back(make_ray(origin, Vec3(target - DVec3(origin))));
-      made.inside.push_back(0);
-    }
-    return made;
-  };
+  rung.rays = through_first_layer(flat, along, offset);
   rung.flat = std::move(flat);
   return rung;
 }
@@ -103,8 +83,11 @@ std::vector<Case> leaving_cases() {
   for (const auto& [name, value] : kFar) sphere.rungs.emplace_back([=] { return ball(name, 1.0, value); });
 
   Case gap{"gap", "Rays go on through a sheet, 1 from the origin, to the same one behind it at that gap.", {}};
-  constexpr std::pair<const char*, double> kGaps[] = {{"1e-2", 1e-2}, {"1e-4", 1e-4}, {"1e-5", 1e-5}, {"4e-6", 4e-6},
-                                                      {"2e-6", 2e-6}, {"1e-6", 1e-6}, {"5e-7", 5e-7}, {"2e-7", 2e-7}};
+  // Close together about the bound of the hit point's rounding, where the rate falls from all to none.
+  constexpr std::pair<const char*, double> kGaps[] = {
+      {"1e-2", 1e-2}, {"1e-4", 1e-4},     {"1e-5", 1e-5}, {"4e-6", 4e-6},     {"2e-6", 2e-6}, {"1.4e-6", 1.4e-6},
+      {"1e-6", 1e-6}, {"8e-7", 8e-7},     {"7e-7", 7e-7}, {"6e-7", 6e-7},     {"5e-7", 5e-7}, {"4.5e-7", 4.5e-7},
+      {"4e-7", 4e-7}, {"3.5e-7", 3.5e-7}, {"3e-7", 3e-7}, {"2.5e-7", 2.5e-7}, {"2e-7", 2e-7}, {"1e-7", 1e-7}};
   for (const auto& [name, value] : kGaps) gap.rungs.emplace_back([=] { return layers(name, value, 1.0); });
   return {std::move(scale), std::move(translation), std::move(sphere), std::move(gap)};
 }

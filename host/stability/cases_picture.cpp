@@ -1,6 +1,7 @@
 // Small scenes rendered: rooms closed all around before a background that can be seen through a leak alone, in which
 // every pixel's value is known. Walls shine by the ambient term, 1; a surface that is passed halves the light.
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "host/path/render.hpp"
@@ -87,6 +88,7 @@ void look(Scene& scene, DVec3 from, DVec3 to, double fov_deg) {
 std::vector<float> render(const PictureRun& run, const Scene& scene, int depth) {
   RenderOptions options;
   options.double_precision = run.double_precision;
+  options.strict = run.strict;
   options.width = options.height = static_cast<int>(std::sqrt(static_cast<double>(run.pixels))) | 1;
   options.spp = 1;
   options.depth = depth;
@@ -94,6 +96,7 @@ std::vector<float> render(const PictureRun& run, const Scene& scene, int depth) 
   const Layer& layer = *result.image.find("");
   std::vector<float> red;
   for (std::size_t i = 0; i < result.image.pixel_count(); i++) red.push_back(layer.data[i * layer.channels.size()]);
+  run.answers.add(std::span<const float>(red));
   return red;
 }
 

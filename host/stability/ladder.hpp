@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "host/bench/tracer.hpp"
 #include "host/bvh/accel.hpp"
 #include "host/gpu/context.hpp"
+#include "host/stability/judge.hpp"
 #include "host/stability/rung.hpp"
 
 namespace hemiray::stability {
@@ -19,9 +19,12 @@ struct RungResult {
   std::string case_name, rung;
   RungKind kind = RungKind::hits;
   Tally ours;
-  std::optional<Tally> packets;     ///< of the same rays traced in packets
-  std::uint64_t other_bits = 0;     ///< answers of packets that are not those of single rays to the bit
-  std::optional<Tally> peer;        ///< of the same rays, where it can trace them
+  std::optional<Tally> packets;  ///< of the same rays traced in packets
+  std::uint64_t other_bits = 0;  ///< answers of packets that are not those of single rays to the bit
+  std::optional<Tally> peer;     ///< of the same rays, where it can trace them
+  /// Implicit surfaces: regions of rays of which the device says that it cannot tell whether the surface is met there.
+  std::optional<std::uint64_t> open_regions;
+  std::string answers;              ///< hash of all of the device's answers
   std::vector<std::string> broken;  ///< bounds (bounds.hpp) that ours does not keep
 };
 
@@ -32,6 +35,7 @@ struct LadderOptions {
   unsigned threads = 1;  ///< that judge
   /// Rays and pictures in double. Rays that leave surfaces begin where a float cannot tell: their rungs are left out.
   bool double_precision = false;
+  bool strict = false;  ///< answers are to be the same bits on every device
   /// Puts something in the way of the device's answers: for tests of the oracle.
   std::function<void(std::vector<shared::QueryHit>&)> tamper;
 };
@@ -43,23 +47,14 @@ class Ladder {
   std::optional<RungResult> run(const std::string& case_name, const Rung& rung);
 
  private:
-  void run_hits(const Rung& rung, RungResult& result);
-  void run_leaving(const Rung& rung, RungResult& result);
+  void run_hits(const Rung& rung, RungResult& result, AnswerHash& hash);
+  void run_leaving(const Rung& rung, RungResult& result, AnswerHash& hash);
+  static void check_bounds(RungResult& result);
 
   Context* context_;
   LadderOptions options_;
   Parallel parallel_;
   AccelBuilder builder_;
 };
-
-/// What one tracer has to answer for.
-struct Answers {
-  std::vector<shared::QueryHit> hits;
-  std::vector<std::uint32_t> occluded;  ///< empty: not asked
-};
-
-/// Judges each tracer's answers to the rays, on so many threads.
-std::vector<Tally> judge_all(const FlatScene& flat, const Rays& rays, std::span<const Answers> answers,
-                             unsigned threads);
 
 }  // namespace hemiray::stability

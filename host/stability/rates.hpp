@@ -16,6 +16,7 @@ struct Tally {
   std::uint64_t tunnelled = 0;      ///< a ray that left a surface passes the next one
   std::uint64_t borderline = 0;     ///< answered otherwise than the exact ray, within the bound of an outline
   std::uint64_t any_hit = 0;        ///< asked for any hit, says otherwise than asked for the closest
+  std::uint64_t uncertain = 0;      ///< a hit there surely is, and the device says that it cannot tell
   double worst_ulps = 0.0;          ///< of t, over the hits that the exact ray has, too
 
   void add(const Tally& other) {
@@ -27,6 +28,7 @@ struct Tally {
     tunnelled += other.tunnelled;
     borderline += other.borderline;
     any_hit += other.any_hit;
+    uncertain += other.uncertain;
     worst_ulps = std::max(worst_ulps, other.worst_ulps);
   }
 };

@@ -7,6 +7,7 @@
 
 #include "host/base/numbers.hpp"
 #include "host/stability/bounds.hpp"
+#include "host/stability/compare_runs.hpp"
 #include "host/stability/oracle.hpp"
 
 namespace hemiray::stability {
@@ -53,10 +54,14 @@ std::string verdict(const CaseResults& results, const RungResult& rung) {
   return "clean";
 }
 
-std::string hits_header(bool peer) {
+std::string hits_header(bool peer, bool implicit) {
   std::string text =
       "| rung | missed | false hit | wrong surface | packets: missed | false hit | borderline | worst ulps of t |";
   std::string rule = "|---|---|---|---|---|---|---|---|";
+  if (implicit) {
+    text += " uncertain | open regions |";
+    rule += "---|---|";
+  }
   if (peer) {
     text += " Embree: missed | false hit | wrong surface | borderline | worst ulps of t |";
     rule += "---|---|---|---|---|";
@@ -70,6 +75,7 @@ std::string hits_row(const CaseResults& results, const RungResult& rung, bool pe
   std::string text = fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |", rung.rung, cell(t.missed, t),
                                  cell(t.false_hit, t), cell(t.wrong_surface, t), rung.packets ? cell(k.missed, k) : "-",
                                  rung.packets ? cell(k.false_hit, k) : "-", cell(t.borderline, t), ulps(t));
+  if (rung.open_regions) text += fmt::format(" {} | {} |", cell(t.uncertain, t), cell(*rung.open_regions, t));
   if (peer && rung.peer) {
     const Tally& p = *rung.peer;
     text += fmt::format(" {} | {} | {} | {} | {} |", cell(p.missed, p), cell(p.false_hit, p), cell(p.wrong_surface, p),
@@ -90,10 +96,15 @@ std::string other_row(const CaseResults& results, const RungResult& rung) {
 std::string markdown_table(const CaseResults& results) {
   std::string text = fmt::format("\n## {}\n{}\n\n", results.name, results.what);
   if (results.rungs.empty()) return text;
+  if (results.name == "gap") {
+    text +=
+        "![The share of rays that pass the next surface, against the gap](images/tunnelling.svg)\n\nDrawn by `python3 "
+        "bench/plot.py ladder.json docs/images` from what `--json ladder.json` wrote.\n\n";
+  }
   const bool hits = results.rungs.front().kind == RungKind::hits;
   const bool peer = std::any_of(results.rungs.begin(), results.rungs.end(),
                                 [](const RungResult& rung) { return rung.peer.has_value(); });
-  text += hits ? hits_header(peer)
+  text += hits ? hits_header(peer, results.rungs.front().open_regions.has_value())
                : "| rung | rays | missed | false hit | self-hit | tunnelled | borderline | |\n"
                  "|---|---|---|---|---|---|---|---|\n";
   for (const RungResult& rung : results.rungs) {
@@ -107,6 +118,27 @@ std::string markdown_table(const CaseResults& results) {
     }
   }
   return text + "\n";
+}
+
+ordered_json comparisons_json(const Report& report) {
+  const auto named = [](const std::vector<RungDifference>& rungs) {
+    ordered_json list = ordered_json::array();
+    for (const RungDifference& one : rungs) {
+      list.push_back({{"case", one.case_name}, {"rung", one.rung}, {"what", one.what}});
+    }
+    return list;
+  };
+  ordered_json all = ordered_json::array();
+  for (const Comparison& one : report.comparisons) {
+    all.push_back({{"device", one.device},
+                   {"platform", one.platform},
+                   {"driver", one.driver},
+                   {"commit", one.commit},
+                   {"rungs", one.compared},
+                   {"differences", named(one.differences)},
+                   {"other_answers", named(one.other_answers)}});
+  }
+  return all;
 }
 
 // The least gap below which none is resolved without fault.
@@ -148,9 +180,10 @@ std::size_t count_failing(const Report& report) {
 bool holds(const Report& report) { return count_failing(report) == 0; }
 
 std::string report_head(const Report& report) {
-  return fmt::format("{} ({}, {})\n{}, {} rays a rung, seed {}, {} precision{}\n", report.machine.device,
+  return fmt::format("{} ({}, {})\n{}, {} rays a rung, seed {}, {} precision{}{}\n", report.machine.device,
                      report.machine.platform, report.machine.driver, report.machine.processor, report.rays, report.seed,
-                     report.precision, report.machine.peer.empty() ? "" : ", beside " + report.machine.peer);
+                     report.precision, report.strict ? ", strict" : "",
+                     report.machine.peer.empty() ? "" : ", beside " + report.machine.peer);
 }
 
 std::string case_table(const CaseResults& results) {
@@ -163,6 +196,9 @@ std::string case_table(const CaseResults& results) {
                           t.wrong_surface, t.self_hit, t.tunnelled, t.borderline, ulps(t));
     };
     row(rung.rung, rung.ours);
+    if (rung.open_regions) {
+      text += fmt::format("  uncertain {}, open regions {}", rung.ours.uncertain, *rung.open_regions);
+    }
     text += rung.broken.empty() ? "\n" : fmt::format("  FAILS: {}\n", fmt::join(rung.broken, ", "));
     if (rung.packets && rung.other_bits > 0) {
       row("  in packets", *rung.packets);
@@ -182,6 +218,7 @@ std::string report_json(const Report& report) {
     ordered_json rungs = ordered_json::array();
     for (const RungResult& rung : one.rungs) {
       ordered_json json{{"rung", rung.rung}, {"kind", kKinds[static_cast<std::size_t>(rung.kind)]}};
+      json["answers"] = rung.answers;
       json.update(to_json(rung.ours));
       ordered_json allowed = ordered_json::object();
       for (const HeldRate& held : kHeldRates) {
@@ -192,6 +229,7 @@ std::string report_json(const Report& report) {
       json["broken"] = rung.broken;
       json["packets"] = rung.packets ? to_json(*rung.packets) : ordered_json(nullptr);
       json[std::string(kOtherBits)] = rung.other_bits;
+      json[std::string(kOpenRegions)] = rung.open_regions ? ordered_json(*rung.open_regions) : ordered_json(nullptr);
       json["peer"] = rung.peer ? to_json(*rung.peer) : ordered_json(nullptr);
       rungs.push_back(std::move(json));
     }
@@ -213,7 +251,9 @@ std::string report_json(const Report& report) {
                          {"bound_ulps", kBoundUlps},
                          {"complete", report.complete},
                          {"precision", report.precision},
+                         {"strict", report.strict},
                          {"holds", holds(report)},
+                         {"comparisons", comparisons_json(report)},
                          {"cases", cases}};
   return all.dump(2) + "\n";
 }
@@ -222,10 +262,9 @@ std::string report_markdown(const Report& report) {
   const bench::Machine& m = report.machine;
   std::string text = "# Stability\n";
   text += fmt::format(
-      "Hard cases, each a ladder of rungs, and what comes of them. Written by `hemiray stability{} --rays {} "
-      "--markdown "
-      "docs/STABILITY.md`, not by hand.\n\n",
-      m.peer.empty() ? "" : " --peers", report.rays);
+      "Hard cases, each a ladder of rungs, and what comes of them. Written by `hemiray stability{}{} --rays {} "
+      "--markdown docs/STABILITY.md`, not by hand.\n\n",
+      m.peer.empty() ? "" : " --peers", report.comparisons.empty() ? "" : " --compare OTHER.json", report.rays);
   text += "| | |\n|---|---|\n";
   text += fmt::format("| date | {} |\n| commit | {} |\n| device | {} ({}, driver {}) |\n| processor | {} |\n",
                       report.date, m.commit, m.device, m.platform, m.driver, m.processor);
@@ -237,11 +276,12 @@ std::string report_markdown(const Report& report) {
   text += fmt::format("| time | {} |\n", format_duration(report.seconds));
   text += fmt::format("| rungs | {}, of which {} fail{} |\n\n", count_rungs(report), count_failing(report),
                       report.complete ? "" : " (some are left out)");
+  if (report.strict) text += "Compiled strict (`--strict`).\n\n";
   if (report.precision == "double") text += "In double precision (`--precision double`).\n\n";
   text += fmt::format(
       "Rays are aimed at vertices, edges, corners and planes of boxes, half of them moved by up to 3 ulps; random rays "
       "prove little. Every answer is judged by what the exact ray through the same floats meets (long double with an "
-      "error bound, integers of 1024 bits where that is not sure).{}\n\n",
+      "error bound, integers of 1024 bits or 50 digits where that is not sure).{}\n\n",
       smallest_gap(report));
   text += fmt::format(
       "- **missed**: something surely is there, and the answer is none or a farther one. Inside closed meshes every "
@@ -254,17 +294,24 @@ std::string report_markdown(const Report& report) {
       "that fails.\n"
       "- **self-hit**, **tunnelled**: a ray that goes on from a hit, as the renderer sends it, meets the surface that "
       "it left, or passes the next one.\n"
+      "- **uncertain**: of an implicit surface a hit is missed, and the device, asked for that ray alone, says that it "
+      "cannot tell; **open regions**: in how many parts of rays it says so, whether anything is there or not.\n"
       "- **borderline**: at an outline, within the bound of it, where the answer is not the exact one. These are "
       "right.\n"
       "- **The bound**: an answer is right if it is exact for vertices that lie, seen from the ray's origin, within "
       "{:g} "
       "ulps of their distance from it of where they should (`host/stability/oracle.hpp`; for spheres the radius, by "
-      "{:g} ulps of distance and radius).\n"
-      "- **worst ulps of t**: how far t is off at most, over hits that the exact ray has, too. Along a surface, and on "
+      "{:g} ulps of distance and radius; for disks, cones, cylinders and quadrics 4e-6 of their reach and 2 ulps of t, "
+      "`shape_oracle.hpp`; for implicit surfaces {:g} ulps of t, or a value that float-float cannot tell from zero, "
+      "`implicit_oracle.hpp`).\n"
+      "- **worst ulps of t**: how far t is off at most, over hits that the exact ray has, too (of shapes and implicit "
+      "surfaces in ulps of the origin's coordinates, where those are larger). Along a surface, and on "
       "thin triangles, it is ill-conditioned.\n"
       "- A rung is **clean** where nothing is missed, false, wrong, self-hit or tunnelled; **bound** where more is "
       "expected of single precision and stated below the table (`host/stability/bounds.cpp`); else it **FAILS**.\n",
-      kBoundUlps, kBoundUlps);
+      kBoundUlps, kBoundUlps, kBoundUlps);
+  if (!report.comparisons.empty()) text += "\n## Across devices\n";
+  for (const Comparison& one : report.comparisons) text += comparison_markdown(one);
   for (const CaseResults& one : report.cases) text += markdown_table(one);
   return text;
 }

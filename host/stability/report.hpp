@@ -14,6 +14,20 @@ struct CaseResults {
   std::vector<RungResult> rungs;
 };
 
+/// A rung on which the verdicts or rates of two runs differ: such as "missed 3 and 0", "holds and FAILS".
+struct RungDifference {
+  std::string case_name, rung;
+  std::vector<std::string> what;
+};
+
+/// With a run on another device (host/stability/compare_runs.hpp).
+struct Comparison {
+  std::string device, platform, driver, commit;  ///< of the other
+  std::size_t compared = 0;                      ///< rungs that both have
+  std::vector<RungDifference> differences;
+  std::vector<RungDifference> other_answers;  ///< rates and verdict are the same, but not every answer to the bit
+};
+
 struct Report {
   bench::Machine machine;
   std::string date;  ///< YYYY-MM-DD
@@ -22,6 +36,8 @@ struct Report {
   std::vector<CaseResults> cases;
   bool complete = true;  ///< all cases, to their end
   std::string precision = "single";
+  bool strict = false;
+  std::vector<Comparison> comparisons;
 };
 
 /// Whether every rung holds its bounds.

@@ -10,6 +10,7 @@
 #include "host/gpu/context.hpp"
 #include "host/scene/flat_scene.hpp"
 #include "host/stability/aim.hpp"
+#include "host/stability/answer_hash.hpp"
 #include "host/stability/rates.hpp"
 
 namespace hemiray::stability {
@@ -21,7 +22,7 @@ enum class RungKind { hits, leaving, picture };
 /// What a ray that has left a surface must do.
 enum class After {
   convex,  ///< the scene is one convex solid: outside it meets nothing, inside the far side
-  layer,   ///< the first half of the triangles is a sheet, the second the same one behind it: it goes on to that one
+  layer,   ///< the first half of the primitives is a sheet, the second the same one behind it: it goes on to that one
 };
 
 /// How a rung's pictures are to be rendered.
@@ -29,6 +30,8 @@ struct PictureRun {
   Context& context;
   std::uint32_t pixels;  ///< about so many
   bool double_precision;
+  bool strict;
+  AnswerHash& answers;  ///< gets what is rendered
 };
 
 struct Rung {
@@ -54,8 +57,11 @@ std::vector<Case> all_cases();
 std::vector<Case> place_cases();  ///< scale, translation, sizes
 std::vector<Case> shape_cases();  ///< slivers, closed meshes, touching and coplanar surfaces, grazing rays
 std::vector<Case> sphere_cases();
+std::vector<Case> analytic_cases();  ///< disks, cylinders, cones, quadrics
+std::vector<Case> implicit_cases();
 std::vector<Case> degenerate_cases();  ///< vertices that are no good, and trees that cannot tell primitives apart
 std::vector<Case> leaving_cases();     ///< secondary rays
+std::vector<Case> instance_cases();    ///< those of instances
 std::vector<Case> picture_cases();
 
 }  // namespace hemiray::stability

@@ -7,10 +7,10 @@
 #include "lib/shape.h"
 
 // How much farther than the clip's own distances roots are sought: relative, more than these distances' rounding.
-#define HR_CLIP_PAD REAL(4e-6)
+#define HR_CLIP_PAD (64 * HR_HALF_ULP)
 
 // The part of the ray within the clip, a little widened.
-static inline bool implicit_interval(global const Shape* s, const Ray* ray, real t_limit, real* t0, real* t1) {
+static inline bool implicit_interval(global const Shape* s, const Ray* ray, real* t0, real* t1) {
   const real3 from = ray->origin - shape_place(s), middle_of_clip = param3(s->linear);
   const real3 o = vector_to_own(s, from), d = vector_to_own(s, ray->direction);
   real near, far;
@@ -33,7 +33,7 @@ static inline bool implicit_interval(global const Shape* s, const Ray* ray, real
   }
   const real pad = HR_CLIP_PAD * (fabs(near) + fabs(far));
   *t0 = max(near - pad, ray->t_min);
-  *t1 = min(far + pad, t_limit);
+  *t1 = min(far + pad, ray->t_max);
   return *t0 < *t1;
 }
 
@@ -42,7 +42,8 @@ typedef struct ImplicitSearch {
   global const Shape* surface;
   real3 origin, direction;
   float m, h;  // t = m + h s
-  real t_min, t_limit;
+  real t_min, t_far;
+  ulong end;       // t_far as a place, or a little beyond
   uint uncertain;  // regions in front of the hit, or of nothing, in which there may be a root
 } ImplicitSearch;
 
@@ -63,7 +64,7 @@ static inline uint implicit_look_closer(ImplicitSearch* search, HR_WIDE_ERR t_lo
   ulong at = 0;
   int sign = 0;
   for (;;) {
-    HR_WIDE(Find) find = HR_WIDE(poly_search)(&p, bound, at, sign, false);
+    HR_WIDE(Find) find = HR_WIDE(poly_search)(&p, bound, at, HR_PLACE_END, sign, false);
     if (find.kind == HR_FIND_NONE) return HR_FIND_NONE;
     if (find.kind == HR_FIND_OPEN) {
       search->uncertain++;
@@ -89,8 +90,8 @@ static inline bool implicit_wide(ImplicitSearch* search, ulong at, int sign, rea
   HR_WIDE(poly_along)
   (search->tapes, search->surface, search->origin, search->direction, m, h, HR_MAX_DEGREE, &p);
   const HR_WIDE_ERR bound = HR_WIDE(poly_bound)(&p);
-  while (at < HR_PLACE_END) {
-    HR_WIDE(Find) find = HR_WIDE(poly_search)(&p, bound, at, sign, false);
+  while (at < search->end) {
+    HR_WIDE(Find) find = HR_WIDE(poly_search)(&p, bound, at, search->end, sign, false);
     if (find.kind == HR_FIND_NONE) return false;
     at = find.next;
     sign = find.sign_next;
@@ -105,7 +106,7 @@ static inline bool implicit_wide(ImplicitSearch* search, ulong at, int sign, rea
       }
     }
     *t = HR_WIDE_REAL(root);
-    if (*t >= search->t_limit) return false;
+    if (*t > search->t_far) return false;
     if (*t > search->t_min) return true;
   }
   return false;
@@ -132,13 +133,21 @@ static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, flo
   return false;
 }
 
-// The smallest t in (t_min, t_limit) at which the ray meets the surface within its clip. *uncertain is raised by the
-// number of regions in front of it that could be neither excluded nor found to hold a root.
+// Where to stop: the place in [-1, 1] of t_far, raised by more than its rounding.
+static inline ulong implicit_end(float m, float h, real t_far) {
+  if (!(t_far < (real)m + h)) return HR_PLACE_END;
+  const float away = (float)(t_far - m) + 64 * HR_UNIT_F * (fabs((float)t_far) + fabs(m) + h);
+  const float share = 0.5f + 0.5f * (float)divide(away, h);
+  return share >= 1 ? HR_PLACE_END : share > 0 ? (ulong)(share * (float)HR_PLACE_END) : 0;
+}
+
+// The smallest t in (t_min, t_far] at which the ray meets the surface within its clip, whatever t_far beyond it is.
+// *uncertain is raised by the number of regions in front of it that could be neither excluded nor found to hold a root.
 static inline bool intersect_implicit(global const uint4* tapes, global const Shape* surface, const Ray* ray,
-                                      real t_limit, real* t, uint* uncertain) {
+                                      real t_far, real* t, uint* uncertain) {
 #pragma OPENCL FP_CONTRACT OFF
   real t0, t1;
-  if (!implicit_interval(surface, ray, t_limit, &t0, &t1)) return false;
+  if (!implicit_interval(surface, ray, &t0, &t1) || t0 > t_far) return false;
   ImplicitSearch search;
   search.tapes = tapes;
   search.surface = surface;
@@ -147,13 +156,14 @@ static inline bool intersect_implicit(global const uint4* tapes, global const Sh
   search.m = 0.5f * (float)(t0 + t1);
   search.h = max(nextafter((float)t1, (float)INFINITY) - search.m, search.m - nextafter((float)t0, -(float)INFINITY));
   search.t_min = ray->t_min;
-  search.t_limit = t_limit;
+  search.t_far = t_far;
+  search.end = implicit_end(search.m, search.h, t_far);
   search.uncertain = 0;
   if (!(search.h < INFINITY)) return false;
   Poly_f p;
   poly_along_f(tapes, surface, ray->origin, ray->direction, search.m, search.h, HR_MAX_DEGREE, &p);
   const float bound = poly_bound_f(&p);
-  Find_f find = poly_search_f(&p, bound, 0, 0, true);
+  Find_f find = poly_search_f(&p, bound, 0, search.end, 0, true);
   if (find.kind == HR_FIND_NONE) return false;
   ulong at = find.next;
   int sign = find.sign_next;
@@ -161,7 +171,7 @@ static inline bool intersect_implicit(global const uint4* tapes, global const Sh
     poly_refine_f(&p, bound, find.sign_lo, &find.lo, &find.hi);
     const float t_lo = fma(search.h, find.lo, search.m), t_hi = fma(search.h, find.hi, search.m);
     if (implicit_polish(&search, t_lo, t_hi, t)) {
-      if (*t >= t_limit) return false;
+      if (*t > t_far) return false;
       if (*t > ray->t_min) return true;
     } else {  // from the beginning: `at` is behind the root
       at = 0;

@@ -2,8 +2,10 @@
 #ifndef HR_LIB_INTERSECT_H
 #define HR_LIB_INTERSECT_H
 
+#include "lib/thin_triangle.h"
 #include "lib/vec.h"
 #include "shared/bvh_types.h"
+#include "shared/features.h"
 #include "shared/scene_types.h"
 
 // Far slab distances are raised by 8 ulps, so that rounding never shrinks a box (Ize 2013, "Robust BVH Ray Traversal"):
@@ -105,12 +107,28 @@ static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c,
     wc = exact_edge_function(bx, by, ax, ay);
     if (!(min(min(wa, wb), wc) >= 0 || max(max(wa, wb), wc) <= 0)) return false;
   }
-  const real det = wa + wb + wc;
+  real det = wa + wb + wc;
   if (det == 0) return false;
+  real depth_det = fma(wa, az, fma(wb, bz, wc * cz));
+  const real nearest = min(min(az, bz), cz), farthest = max(max(az, bz), cz);
+  const bool thin = HR_HAS(THIN_TRIANGLES) &&
+                    HR_IS_THIN(farthest - nearest,
+                               max(max(max(fabs(ax), fabs(ay)), max(fabs(bx), fabs(by))), max(fabs(cx), fabs(cy))),
+                               max(fabs(nearest), fabs(farthest)), depth_det);
+  if (thin) {  // the signs stay as they are
+    wa = exact_edge_function(cx, cy, bx, by);
+    wb = exact_edge_function(ax, ay, cx, cy);
+    wc = exact_edge_function(bx, by, ax, ay);
+    det = wa + wb + wc;
+    depth_det = fma(wa, az, fma(wb, bz, wc * cz));
+  }
   const real inverse_det = divide(1, det);
-  *t = ray->sz * fma(wa, az, fma(wb, bz, wc * cz)) * inverse_det;
+  *t = ray->sz * depth_det * inverse_det;
   *u = wb * inverse_det;
   *v = wc * inverse_det;
+  if (thin) {
+    *t = thin_triangle_t(ray->origin, ray->direction, a, b, c, ray->sz * nearest, ray->sz * farthest, *t);
+  }
   return *t > ray->t_min;
 }
 
@@ -132,21 +150,23 @@ static inline bool intersect_triangle_fast(const Ray* ray, real3 a, real3 e1, re
   return *t > ray->t_min;
 }
 
-// Smaller root beyond t_min. The discriminant is taken from the vector to the chord's middle, and the roots from
-// q = b + sign(b) sqrt(disc), so that nothing cancels for far or small spheres (Haines et al., Ray Tracing Gems, ch.
-// 7).
+// Smaller root beyond t_min. The discriminant is taken from the vector to the chord's middle, whose t is then corrected
+// by what that vector lacks of a right angle to the ray; the root nearer to the origin comes from the product of both
+// where it would cancel (Haines et al., Ray Tracing Gems, ch. 7). So t is off by a few ulps of itself, however far or
+// small the sphere.
 static inline bool intersect_sphere(const Ray* ray, real3 center, real radius, real* t) {
   const real3 oc = ray->origin - center;
   const real length2 = dot3(ray->direction, ray->direction);
-  const real b = -dot3(oc, ray->direction);
-  const real3 middle = oc + ray->direction * divide(b, length2);
+  const real about = divide(-dot3(oc, ray->direction), length2);
+  const real3 near_middle = fma(ray->direction, (real3)(about), oc);  // cancels: no product may be rounded before
+  const real off = divide(dot3(near_middle, ray->direction), length2), t_middle = about - off;
+  const real3 middle = fma(ray->direction, (real3)(-off), near_middle);
   const real disc = length2 * (radius * radius - dot3(middle, middle));
   if (!(disc >= 0)) return false;
-  const real root = square_root(disc);
-  const real q = b >= 0 ? b + root : b - root;
-  const real c = dot3(oc, oc) - radius * radius;
-  const real t0 = divide(q, length2);
-  const real t1 = q != 0 ? divide(c, q) : t0;
+  const real chord = divide(square_root(disc), length2);  // half of it
+  const real t0 = t_middle >= 0 ? t_middle + chord : t_middle - chord;
+  real t1 = t_middle >= 0 ? t_middle - chord : t_middle + chord;
+  if (chord > REAL(0.5) * fabs(t_middle) && t0 != 0) t1 = divide(dot3(oc, oc) - radius * radius, length2 * t0);
   const real lo = min(t0, t1), hi = max(t0, t1);
   *t = lo > ray->t_min ? lo : hi;
   return *t > ray->t_min;

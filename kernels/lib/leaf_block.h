@@ -54,9 +54,10 @@ static inline real3 block_point(global const float* block, uint row, uint lane) 
   return (real3)(block[row * HR_L + lane], block[(row + 1) * HR_L + lane], block[(row + 2) * HR_L + lane]);
 }
 
-// One lane by itself: spheres, shapes, and triangles on devices without explicit vectors.
+// One lane by itself: spheres, shapes, and triangles on devices without explicit vectors. What lies beyond t_far need
+// not be found.
 static inline bool intersect_lane(BlockNumbers numbers, global const float* block, uint lane, const Ray* ray,
-                                  Hit* candidate) {
+                                  real t_far, Hit* candidate) {
   const uint number = block_primitive(block, lane);
   if (number == HR_NO_PRIMITIVE) return false;
   candidate->primitive = numbers.first + number;
@@ -67,7 +68,7 @@ static inline bool intersect_lane(BlockNumbers numbers, global const float* bloc
 #if HR_HAS(IMPLICITS)
     if (shape->kind == HR_SHAPE_IMPLICIT) {
       uint uncertain = 0;
-      const bool hit = intersect_implicit(numbers.tapes, shape, ray, ray->t_max, &candidate->t, &uncertain);
+      const bool hit = intersect_implicit(numbers.tapes, shape, ray, t_far, &candidate->t, &uncertain);
       if (HR_UNLIKELY(uncertain != 0)) atomic_add(numbers.uncertain_roots, uncertain);
       return hit;
     }
@@ -111,7 +112,7 @@ typedef struct BlockHits {
 } BlockHits;
 
 // The triangles of a block that the ray may meet before t_far; what rounding of t leaves open is let through, and in
-// watertight form what lies on an edge for all that rounding tells, or has no area: see is_doubtful().
+// watertight form what lies on an edge for all that rounding tells, or is thin, or has no area: see is_doubtful().
 static inline LaneSet block_candidates(BlockNumbers numbers, global const float* block, const Ray* ray, real t_far,
                                        BlockHits* hits) {
 #if HR_TRIANGLE_WATERTIGHT
@@ -132,13 +133,22 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
   const HR_FLOATL det = wa + wb + wc;
   const HR_INTL sign = HR_AS_INTL(det) & (HR_INTL)(0x80000000);
   hits->det = fabs(det);
-  hits->t_det = HR_FLIP(ray->sz * fma(wa, az, fma(wb, bz, wc * cz)));
+  const HR_FLOATL depth_det = fma(wa, az, fma(wb, bz, wc * cz));
+  hits->t_det = HR_FLIP(ray->sz * depth_det);
   hits->u_det = HR_FLIP(wb);
   hits->v_det = HR_FLIP(wc);
   const HR_FLOATL least = min(min(wa, wb), wc), most = max(max(wa, wb), wc);
   // On an edge, for all that rounding tells, t is only that of some point of the triangle.
   const HR_INTL in_range = (hits->t_det >= 0.0f) & (hits->t_det <= hits->det * (t_far * HR_SLAB_PAD));
-  HR_INTL met = ((least >= 0.0f) | (most <= 0.0f)) & (in_range | (least * most == 0.0f));
+  HR_INTL unsure = least * most == 0.0f;
+  if (HR_HAS(THIN_TRIANGLES)) {
+    const HR_FLOATL nearest = min(min(az, bz), cz), farthest = max(max(az, bz), cz);
+    const HR_FLOATL reach = max(max(max(fabs(ax), fabs(ay)), max(fabs(bx), fabs(by))), max(fabs(cx), fabs(cy)));
+    const HR_INTL thin = HR_IS_THIN(farthest - nearest, reach, max(fabs(nearest), fabs(farthest)), depth_det);
+    unsure |= thin;
+    hits->u_det = HR_AS_FLOATL(HR_AS_INTL(hits->u_det) | (thin & (HR_INTL)(0x80000000)));  // negative: doubtful
+  }
+  HR_INTL met = ((least >= 0.0f) | (most <= 0.0f)) & (in_range | unsure);
 #else
   const HR_FLOATL ox = HR_ROW(0) - ray->origin.x, oy = HR_ROW(1) - ray->origin.y, oz = HR_ROW(2) - ray->origin.z;
   const HR_FLOATL e1x = HR_ROW(3), e1y = HR_ROW(4), e1z = HR_ROW(5);
@@ -165,7 +175,7 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
 // u + v of a hit that is surely off the third edge: of one on it, 1 less than 8 roundings.
 #define HR_SURELY_INSIDE 0.999999f
 
-// Which candidates intersect_lane() has to look at, since an edge function may be 0. Rarely any.
+// Which candidates intersect_lane() has to look at, since an edge function may be 0 or t too inexact. Rarely any.
 static inline bool is_doubtful(real u, real v) {
   return HR_TRIANGLE_WATERTIGHT ? !(u > 0 && v > 0 && u + v < HR_SURELY_INSIDE) : false;
 }
@@ -197,7 +207,7 @@ static inline void intersect_block_closest(BlockNumbers numbers, global const fl
       lanes = without_first(lanes);
       Hit candidate = {t[lane], u[lane], v[lane], numbers.first + block_primitive(block, lane)};
       if (HR_UNLIKELY(is_doubtful(candidate.u, candidate.v))) {
-        if (!intersect_lane(numbers, block, lane, ray, &candidate)) continue;
+        if (!intersect_lane(numbers, block, lane, ray, best->t, &candidate)) continue;
       }
       const bool counts = candidate.t > ray->t_min && is_closer(&candidate, best);
       if (counts && !is_skipped(skip, candidate.primitive)) *best = candidate;
@@ -206,7 +216,7 @@ static inline void intersect_block_closest(BlockNumbers numbers, global const fl
   if (HR_HAS_ONE_BY_ONE) {
     for (LaneSet rest = other_lanes(numbers, block); rest; rest = without_first(rest)) {
       Hit candidate;
-      if (intersect_lane(numbers, block, first_lane(rest), ray, &candidate) && is_closer(&candidate, best) &&
+      if (intersect_lane(numbers, block, first_lane(rest), ray, best->t, &candidate) && is_closer(&candidate, best) &&
           !is_skipped(skip, candidate.primitive)) {
         *best = candidate;
       }
@@ -227,7 +237,7 @@ static inline bool intersect_block_any(BlockNumbers numbers, global const float*
       lanes = without_first(lanes);
       if (HR_UNLIKELY((doubtful & lane_bit(lane)) != 0)) {
         Hit exact;
-        if (!intersect_lane(numbers, block, lane, ray, &exact)) continue;
+        if (!intersect_lane(numbers, block, lane, ray, ray->t_max, &exact)) continue;
         t[lane] = exact.t;
       }
       if (t[lane] > ray->t_min && t[lane] < ray->t_max &&
@@ -239,7 +249,7 @@ static inline bool intersect_block_any(BlockNumbers numbers, global const float*
   if (HR_HAS_ONE_BY_ONE) {
     for (LaneSet rest = other_lanes(numbers, block); rest; rest = without_first(rest)) {
       Hit candidate;
-      if (intersect_lane(numbers, block, first_lane(rest), ray, &candidate) && candidate.t < ray->t_max &&
+      if (intersect_lane(numbers, block, first_lane(rest), ray, ray->t_max, &candidate) && candidate.t < ray->t_max &&
           !is_skipped(skip, candidate.primitive)) {
         return true;
       }
@@ -254,7 +264,7 @@ static inline void intersect_block_closest(BlockNumbers numbers, global const fl
                                            const Skip* skip, Hit* best) {
   for (uint lane = 0; lane < HR_L; lane++) {
     Hit candidate;
-    if (intersect_lane(numbers, block, lane, ray, &candidate) && is_closer(&candidate, best) &&
+    if (intersect_lane(numbers, block, lane, ray, best->t, &candidate) && is_closer(&candidate, best) &&
         !is_skipped(skip, candidate.primitive)) {
       *best = candidate;
     }
@@ -265,7 +275,7 @@ static inline bool intersect_block_any(BlockNumbers numbers, global const float*
                                        const Skip* skip) {
   for (uint lane = 0; lane < HR_L; lane++) {
     Hit candidate;
-    if (intersect_lane(numbers, block, lane, ray, &candidate) && candidate.t < ray->t_max &&
+    if (intersect_lane(numbers, block, lane, ray, ray->t_max, &candidate) && candidate.t < ray->t_max &&
         !is_skipped(skip, candidate.primitive)) {
       return true;
     }

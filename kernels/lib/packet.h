@@ -89,6 +89,21 @@ static inline float16 exact_edge_function16(float16 px, float16 py, float16 qx, 
   return (a - b) + (fma(px, qy, -a) - fma(py, qx, -b));
 }
 
+// t of group k, of the rays that meet the triangle as a thin one by thin_triangle_t(), ray by ray.
+static inline float16 thin_triangle_t16(const Packet* p, uint k, global const float* row, int16 thin, float16 one_end,
+                                        float16 other_end, float16 weighted) {
+  const real3 a = block_point(row, 0, 0), b = block_point(row, 3, 0), c = block_point(row, 6, 0);
+  float16 t = weighted;
+  for (uint i = 0; i < 16; i++) {
+    if (!((const int*)&thin)[i]) continue;
+    const real3 direction =
+        (real3)(((const float*)&p->dx[k])[i], ((const float*)&p->dy[k])[i], ((const float*)&p->dz[k])[i]);
+    ((float*)&t)[i] = thin_triangle_t(p->origin, direction, a, b, c, ((const float*)&one_end)[i],
+                                      ((const float*)&other_end)[i], ((const float*)&weighted)[i]);
+  }
+  return t;
+}
+
 // intersect_triangle() of intersect.h, operation for operation, but one triangle against those of 16 rays whose axis of
 // shear is kz.
 static inline bool intersect_triangle_along(Packet* p, global const float* row, int kz, int primitive) {
@@ -98,6 +113,7 @@ static inline bool intersect_triangle_along(Packet* p, global const float* row, 
   const float ax0 = row[kx * HR_L] - okx, ay0 = row[ky * HR_L] - oky, az = row[kz * HR_L] - okz;
   const float bx0 = row[(3 + kx) * HR_L] - okx, by0 = row[(3 + ky) * HR_L] - oky, bz = row[(3 + kz) * HR_L] - okz;
   const float cx0 = row[(6 + kx) * HR_L] - okx, cy0 = row[(6 + ky) * HR_L] - oky, cz = row[(6 + kz) * HR_L] - okz;
+  const float nearest = min(min(az, bz), cz), farthest = max(max(az, bz), cz);
   bool any = false;
   for (uint k = 0; k < HR_K; k++) {
     if (!(p->axes[k] >> kz & 1u)) continue;
@@ -118,10 +134,26 @@ static inline bool intersect_triangle_along(Packet* p, global const float* row, 
       wc = select(wc, exact_edge_function16(bx, by, ax, ay), doubtful);
       met &= all_of_one_sign(wa, wb, wc);
     }
-    const float16 det = wa + wb + wc;
+    float16 det = wa + wb + wc;
+    met &= det != 0.0f;
+    float16 depth_det = fma(wa, (float16)(az), fma(wb, (float16)(bz), wc * cz));
+    int16 thin = (int16)(0);
+    if (HR_HAS(THIN_TRIANGLES)) {
+      const float16 reach = max(max(max(fabs(ax), fabs(ay)), max(fabs(bx), fabs(by))), max(fabs(cx), fabs(cy)));
+      thin = met & HR_IS_THIN(farthest - nearest, reach, max(fabs(nearest), fabs(farthest)), depth_det);
+    }
+    const bool any_thin = HR_HAS(THIN_TRIANGLES) && any_lane16(thin);
+    if (any_thin) {
+      wa = select(wa, exact_edge_function16(cx, cy, bx, by), thin);
+      wb = select(wb, exact_edge_function16(ax, ay, cx, cy), thin);
+      wc = select(wc, exact_edge_function16(bx, by, ax, ay), thin);
+      det = wa + wb + wc;
+      depth_det = fma(wa, (float16)(az), fma(wb, (float16)(bz), wc * cz));
+    }
     const float16 inverse_det = 1.0f / det;
-    const float16 t = p->sz[k] * fma(wa, (float16)(az), fma(wb, (float16)(bz), wc * cz)) * inverse_det;
-    any |= take_hits(p, k, met & (det != 0.0f), t, wb * inverse_det, wc * inverse_det, primitive);
+    float16 t = p->sz[k] * depth_det * inverse_det;
+    if (any_thin) t = thin_triangle_t16(p, k, row, thin, p->sz[k] * nearest, p->sz[k] * farthest, t);
+    any |= take_hits(p, k, met, t, wb * inverse_det, wc * inverse_det, primitive);
   }
   return any;
 }
@@ -219,10 +251,11 @@ static inline void intersect_packet_others(const SceneView* view, Packet* p, glo
       vstore16(p->dx[k], 0, dx);
       vstore16(p->dy[k], 0, dy);
       vstore16(p->dz[k], 0, dz);
+      vstore16(p->t[k], 0, t);
       for (uint i = 0; i < 16; i++) {
         const Ray ray = make_ray(p->origin, (real3)(dx[i], dy[i], dz[i]), p->t_min, INFINITY);
         Hit hit;
-        met[i] = intersect_lane(world_numbers(view), block, lane, &ray, &hit) ? -1 : 0;
+        met[i] = intersect_lane(world_numbers(view), block, lane, &ray, t[i], &hit) ? -1 : 0;
         t[i] = met[i] ? hit.t : INFINITY;  // a miss leaves hit.t unset
         part[i] = met[i] ? hit.u : 0.0f;
       }

@@ -1,7 +1,7 @@
 // Polynomials of one variable on [-1, 1] with a bound of their error: made from a tape along a ray, and searched for
-// their smallest root. The same sources in three arithmetics: float (_f), double (_d, where the device has it) and
-// float-float (_q). HR_WIDE(name) is the more precise of those in use: double, or float-float where there is no double
-// or HR_WITHOUT_DOUBLE is defined.
+// their smallest root. The same sources in several arithmetics: float (_f), and as HR_WIDE(name) one that is more
+// precise than `real`: double (_d), float-float (_q) where there is no double or HR_WITHOUT_DOUBLE is defined, and in
+// double builds double-double (_p).
 //
 // The error bound. A polynomial p~ stands for all p with sum |p_k - p~_k| <= error. On [-1, 1] that bounds the values,
 // the coefficients of the Bernstein form, and what a term that is left out can add. With u the unit of rounding and
@@ -14,7 +14,7 @@
 #define HR_LIB_POLYNOMIAL_H
 
 #include "lib/divide.h"
-#include "lib/double_float.h"
+#include "lib/pair.h"
 #include "lib/vec.h"
 #include "shared/polynomial_types.h"
 #include "shared/scene_types.h"
@@ -31,7 +31,7 @@
 #define HR_PLACE_BITS 40
 #define HR_PLACE_END (1UL << HR_PLACE_BITS)
 
-#define HR_FIND_NONE 0u    /* no root from the start of the search to 1 */
+#define HR_FIND_NONE 0u    /* no root from the start of the search to its end */
 #define HR_FIND_ROOT 1u    /* exactly one in [lo, hi]: signs at both ends certain and opposite */
 #define HR_FIND_CLUSTER 2u /* at least one in [lo, hi], by the signs at the ends; perhaps three, or a triple one */
 #define HR_FIND_OPEN 3u    /* perhaps roots in [lo, hi]: nearer to zero there than the error */
@@ -65,7 +65,36 @@
 #define HR_HIGH(a) (a)
 #include "lib/poly_all.def"
 
-#if defined(cl_khr_fp64) && !defined(HR_WITHOUT_DOUBLE)
+#ifdef HR_DOUBLE
+#define HR_WIDE(name) name##_p
+#define HR_WIDE_NUM double2
+#define HR_WIDE_ERR double
+#define HR_WIDE_OF(x) ((double2)((double)(x), 0.0))
+#define HR_WIDE_HIGH(a) ((a).x)
+#define HR_WIDE_REAL(a) ((a).x + (a).y)
+#define HR_WIDE_LINEAR(a, b, c) dd_add(dd_mul(a, b), c)
+#define HR_WIDE_QUOTIENT(a, b) dd_div(a, b)
+#define HR_N(name) name##_p
+#define HR_NUM double2
+#define HR_ERR double
+#define HR_UNIT 1.3e-31 /* 10 * 2^-106 */
+#define HR_TINY 1e-290
+#define HR_ROUND_UP 1.00000000000001
+#define HR_STEPS 40
+#define HR_PAIR_ERROR 0
+#define HR_OF(x) ((double2)((double)(x), 0.0))
+#define HR_OF_ERR(x) ((double)(x))
+#define HR_SUM_OF(high, low) ((double2)((double)(high) + (double)(low), 0.0))
+#define HR_OF_PAIR(high, low) HR_SUM_OF(high, low)
+#define HR_ADD(a, b) dd_add(a, b)
+#define HR_MUL(a, b) dd_mul(a, b)
+#define HR_FMA(a, b, c) dd_add(dd_mul(a, b), c)
+#define HR_DIV(a, b) dd_div(a, b)
+#define HR_OF_SIGNED(x) ((double2)(x, 0.0))
+#define HR_LDEXP(a, n) ldexp(a, n)
+#define HR_HIGH(a) ((a).x)
+#include "lib/poly_all.def"
+#elif defined(cl_khr_fp64) && !defined(HR_WITHOUT_DOUBLE)
 #define HR_WIDE(name) name##_d
 #define HR_WIDE_NUM double
 #define HR_WIDE_ERR double
@@ -113,7 +142,7 @@
 #define HR_PAIR_ERROR 0
 #define HR_OF(x) ((float2)((float)(x), 0.0f))
 #define HR_OF_ERR(x) ((float)(x))
-#define HR_SUM_OF(high, low) quick_two_sum(high, low)
+#define HR_SUM_OF(high, low) df_quick_two_sum(high, low)
 #define HR_OF_PAIR(high, low) ((float2)(high, low))
 #define HR_ADD(a, b) df_add(a, b)
 #define HR_MUL(a, b) df_mul(a, b)

@@ -5,6 +5,7 @@
 #define HR_LIB_SHAPE_H
 
 #include "lib/intersect.h"
+#include "lib/residual.h"
 
 // A ray that passes the sphere around a shape by less than this share of its radius is looked at: a dozen roundings.
 #define HR_SHAPE_REACH_SLACK REAL(1.000002)
@@ -32,20 +33,6 @@ static inline real3 shape_place(global const Shape* s) { return (real3)(s->to_ow
 // L v.
 static inline real3 vector_to_own(global const Shape* s, real3 v) {
   return (real3)(dot3(param3(s->to_own_x), v), dot3(param3(s->to_own_y), v), dot3(param3(s->to_own_z), v));
-}
-
-// What a - b = difference + rest has rounded off, exactly (Knuth 1969, TwoSum).
-static inline real3 rest_of_difference(real3 a, real3 b, real3 difference) {
-#pragma OPENCL FP_CONTRACT OFF
-  const real3 minus_b = difference - a;
-  return (a - (difference - minus_b)) - (b + minus_b);
-}
-
-// a b - c d, within 1.5 ulps (Kahan; Jeannerod, Louvet, Muller 2013).
-static inline real difference_of_products(real a, real b, real c, real d) {
-#pragma OPENCL FP_CONTRACT OFF
-  const real cd = c * d;
-  return fma(a, b, -cd) - fma(c, d, -cd);
 }
 
 // p(t) - place for the ray's point at t, rounded once but for t itself.

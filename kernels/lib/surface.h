@@ -6,6 +6,7 @@
 #include "lib/intersect.h"
 #include "lib/scene_view.h"
 #include "lib/shape_surface.h"
+#include "lib/sphere_surface.h"
 #include "lib/terminator.h"
 #include "lib/texture.h"
 #include "lib/vec.h"
@@ -152,11 +153,10 @@ static inline TriangleGeometry load_instanced(const SceneView* view, global cons
   return g;
 }
 
-// Moves p, a point of the triangle but for `error`, by as much towards its middle: rounded over an edge it would lie
-// behind the neighbour, and a ray that leaves along that one's back is lost. In the plane, so the bound of the
-// distance from it stays.
-static inline real3 keep_inside(real3 p, real3 error, const TriangleGeometry* g) {
-  const real3 inward = (g->a + g->b + g->c) * (REAL(1.0) / 3) - p;
+// Moves p, a point of a triangle but for `error`, by as much `inward`, the way to its middle: rounded over an edge it
+// would lie behind the neighbour, and a ray that leaves along that one's back is lost. In the plane, so the bound of
+// the distance from it stays.
+static inline real3 keep_inside(real3 p, real3 error, real3 inward) {
   const real distance = max_component(fabs(inward)), by = max_component(error);
   return distance > by ? p + inward * divide(by, distance) : p + inward;
 }
@@ -182,13 +182,15 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
     const real3 wa = g.a * (1 - hit->u - hit->v), wb = g.b * hit->u, wc = g.c * hit->v;
     s.position = wa + wb + wc;
     s.error = (fabs(wa) + fabs(wb) + fabs(wc)) * HR_GAMMA(7);
-    s.position = keep_inside(s.position, s.error, &g);
+    real3 inward = (g.a + g.b + g.c) * (REAL(1.0) / 3) - s.position;
     if (HR_HAS(INSTANCES) && instance) {
       point_to_world(instance, &s.position, &s.error);
+      inward = vector_to_world(instance, inward);
       g.b = vector_to_world(instance, g.b - g.a);
       g.c = vector_to_world(instance, g.c - g.a);
       g.a = (real3)(0);  // from here on only edges count
     }
+    s.position = keep_inside(s.position, s.error, inward);
     outward = normal_of_edges(g.b - g.a, g.c - g.a);
     interpolated = outward;
     if (HR_HAS(SMOOTH_NORMALS)) {
@@ -206,7 +208,7 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
   } else if (HR_HAS(SPHERES) && hit->primitive < first_shape(view)) {
     const Sphere sphere = view->spheres[hit->primitive - view->triangle_count];
     const real3 center = (real3)(sphere.center_radius.x, sphere.center_radius.y, sphere.center_radius.z);
-    outward = normalize3(origin + direction * hit->t - center);
+    outward = sphere_outward(origin, direction, center, sphere.center_radius.w, hit->t);
     interpolated = outward;
     s.position = center + outward * sphere.center_radius.w;
     s.error = (fabs(center) + sphere.center_radius.w) * HR_GAMMA(7);

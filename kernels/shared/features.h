@@ -29,16 +29,17 @@
 #define HR_FEATURE_FRESNEL (1u << 21)
 #define HR_FEATURE_ORTHOGRAPHIC (1u << 22)
 #define HR_FEATURE_PHONG_SHADING (1u << 23)
-#define HR_FEATURE_INSTANCES (1u << 24) /* meshes that copies share, each with a tree of its own */
-#define HR_FEATURE_SHAPES (1u << 25)    /* disks, cylinders, cones, quadrics */
-#define HR_FEATURE_IMPLICITS (1u << 26) /* shapes that are implicit polynomial surfaces */
-#define HR_FEATURE_RADIOSITY (1u << 27) /* patches, lit by a radiosity solution */
-#define HR_FEATURE_COUNT 28
+#define HR_FEATURE_INSTANCES (1u << 24)      /* meshes that copies share, each with a tree of its own */
+#define HR_FEATURE_SHAPES (1u << 25)         /* disks, cylinders, cones, quadrics */
+#define HR_FEATURE_IMPLICITS (1u << 26)      /* shapes that are implicit polynomial surfaces */
+#define HR_FEATURE_THIN_TRIANGLES (1u << 27) /* whose distance needs more digits than their edge functions keep */
+#define HR_FEATURE_RADIOSITY (1u << 28)      /* patches, lit by a radiosity solution */
+#define HR_FEATURE_COUNT 29
 
 #ifndef __cplusplus
 
 #ifndef HR_FEATURES
-#define HR_FEATURES 0xfffffffu
+#define HR_FEATURES 0x1fffffffu
 #endif
 
 #define HR_HAS(feature) ((HR_FEATURES & HR_FEATURE_##feature) != 0)

@@ -195,7 +195,8 @@ TEST_CASE("bench refuses what it cannot measure before it measures, and writes n
   check_refused({"bench", "--triangles", "9k"}, {"--triangles", "9k"});
   check_refused({"bench", "--triangles", "10k,30M"}, {"--triangles", "30M"});
   check_refused({"bench", "--resolution", "100"}, {"--resolution", "32"});
-  check_refused({"bench", "--leak-rays", "100"}, {"--leak-rays", "64"});
+  check_refused({"bench", "--leaks", "--leak-rays", "100"}, {"--leak-rays", "64"});
+  check_refused({"bench", "--leak-rays", "128"}, {"--leak-rays", "requires --leaks"});
   check_refused({"bench", "--rounds", "0"}, {"--rounds"});
   check_refused(small({"interior", "--bars"}), {"--bars", "--peers"});
   check_refused(small({"interior", "--plot", "/dev/null/x"}), {"--plot"});

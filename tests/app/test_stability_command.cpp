@@ -45,6 +45,45 @@ TEST_CASE("stability tells the rates of every rung as a table, JSON and Markdown
   }
 }
 
+TEST_CASE("stability names the rungs on which another run differs, in text, JSON and Markdown") {
+  const TempFolder folder;
+  const std::string first = (folder / "a.json").string(), second = (folder / "b.json").string();
+  const std::string markdown = (folder / "s.md").string();
+  const std::vector<std::string> small{"stability", "--rays", "1024", "--cases", "one Morton"};
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), small.begin(), small.end());
+    return run_program(more);
+  };
+  REQUIRE(run({"--json", first}).exit_code == 0);
+  const ProgramResult same = run({"--compare", first});
+  INFO(same.out << same.err);
+  CHECK(same.exit_code == 0);
+  CHECK_THAT(same.out, Catch::Contains("4 rungs compared, 0 differ") && !Catch::Contains("other bits"));
+
+  json planted = json::parse(std::ifstream(first));
+  planted["cases"][0]["rungs"][1]["counts"]["missed"] = 7;
+  planted["cases"][0]["rungs"][2]["answers"] = "0";
+  std::ofstream(second) << planted.dump();
+  const ProgramResult other = run({"--compare", first + "," + second, "--json", first, "--markdown", markdown});
+  INFO(other.out << other.err);
+  CHECK(other.exit_code == 0);
+  CHECK_THAT(other.out, Catch::Contains("one Morton code, 1e-2: here and there missed 0 and 7") &&
+                            Catch::Contains("one Morton code (1e-4)"));
+  const json report = json::parse(std::ifstream(first));
+  REQUIRE(report["comparisons"].size() == 2);
+  CHECK(report["comparisons"][0]["differences"].empty());
+  CHECK(report["comparisons"][1]["differences"][0]["rung"] == "1e-2");
+  std::stringstream text;
+  text << std::ifstream(markdown).rdbuf();
+  CHECK_THAT(text.str(), Catch::Contains("## Across devices") && Catch::Contains("missed 0 and 7"));
+
+  const ProgramResult wrong = run({"--strict", "--compare", first});
+  CHECK(wrong.exit_code == 2);
+  CHECK_THAT(wrong.err, Catch::Contains("a.json") && Catch::Contains("was made with other rays"));
+  CHECK(run({"--compare", markdown}).exit_code == 2);
+  CHECK(run({"--compare", (folder / "none.json").string()}).exit_code == 2);
+}
+
 TEST_CASE("stability refuses cases that are none and files that cannot be written, and writes nothing") {
   const TempFolder folder;
   const ProgramResult unknown = run_program({"stability", "--rays", "1024", "--cases", "scael"});

@@ -11,6 +11,7 @@
 
 #include "host/base/vec.hpp"
 #include "host/bvh/accel.hpp"
+#include "host/scene/features.hpp"
 #include "host/scene/flat_scene.hpp"
 #include "shared/features.h"
 
@@ -146,7 +147,8 @@ struct TreeWorkshop {
 /// A flat scene on the device with its tree.
 struct BuiltTree {
   BuiltTree(TreeWorkshop& workshop, const FlatScene& flat, const AccelOptions& options = {})
-      : scene(workshop.context, flat, kAllPrimitives), accel(workshop.builder, scene, options) {}
+      : scene(workshop.context, flat, kAllPrimitives | triangle_features(flat)),
+        accel(workshop.builder, scene, options) {}
   DeviceScene scene;
   Accel accel;
 };

@@ -42,7 +42,8 @@ kernel void brute_intersect(HR_SCENE_PARAMETERS global const QueryRay* restrict 
   Hit best = {ray.t_max, 0, 0, HR_NO_PRIMITIVE}, candidate;
   for (uint k = 0; k < blocks * HR_L + view.plane_count; k++) {
     const bool met = k < blocks * HR_L
-                         ? intersect_lane(world_numbers(&view), block_at(&view, k / HR_L), k % HR_L, &ray, &candidate)
+                         ? intersect_lane(world_numbers(&view), block_at(&view, k / HR_L), k % HR_L, &ray, best.t,
+                                          &candidate)
                          : intersect_plane_primitive(&view, &ray, k - blocks * HR_L, &skip, &candidate);
     if (!met || !(candidate.t < ray.t_max)) continue;
     if (candidate.t < best.t || (candidate.t == best.t && candidate.primitive < best.primitive)) best = candidate;
@@ -101,13 +102,14 @@ class QueryBench {
 
   Hits brute_force(const Rays& rays) {
     const KernelFolder folder("probe/brute.cl", kBruteForce);
-    Program program(workshop_.context, "brute", {"probe/brute.cl"}, tree.accel.program_options(kAllPrimitives, true));
+    Program program(workshop_.context, "brute", {"probe/brute.cl"},
+                    tree.accel.program_options(tree.scene.features(), true));
     return trace(program.kernel("brute_intersect"), rays, {arg("blocks", tree.accel.statistics().blocks)});
   }
 
   /// The closest hits by the query kernels compiled with `defines` besides the tree's own.
   Hits intersect_with(const Rays& rays, const std::string& defines) {
-    ProgramOptions options = tree.accel.program_options(kAllPrimitives, true);
+    ProgramOptions options = tree.accel.program_options(tree.scene.features(), true);
     options.defines += " " + defines;
     Program program(workshop_.context, "query", {"bvh/query.cl"}, options);
     return trace(program.kernel("query_intersect"), rays, {arg("count", static_cast<std::uint32_t>(rays.size()))});

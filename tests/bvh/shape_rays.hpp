@@ -12,10 +12,15 @@
 #include <vector>
 
 #include "host/scene/shape_geometry.hpp"
+#include "host/stability/shape_oracle.hpp"
 #include "tests/bvh/query_bench.hpp"
-#include "tests/bvh/shape_oracle.hpp"
 
 namespace hemiray::test {
+
+using stability::ShapeOracle;
+using stability::SurfaceHit;
+using stability::Wide;
+using stability::wide;
 
 struct NamedShape {
   std::string name;

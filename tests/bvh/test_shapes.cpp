@@ -28,6 +28,24 @@ using test::shapes_of_size_one;
 using test::turned;
 using test::Wide;
 
+const char* objection_to(stability::ShapeFault fault) {
+  switch (fault) {
+    case stability::ShapeFault::off_surface:
+      return "the hit is off the surface";
+    case stability::ShapeFault::beyond_rim:
+      return "the hit is beyond the rim";
+    case stability::ShapeFault::before_start:
+      return "the hit is not beyond t_min";
+    case stability::ShapeFault::missed:
+      return "a hit is missed";
+    case stability::ShapeFault::not_nearest:
+      return "the hit is not the nearest";
+    case stability::ShapeFault::none:
+      break;
+  }
+  return "none";
+}
+
 void check_against_oracle(test::TreeWorkshop& workshop, const NamedShape& named, const shared::Shape& shape,
                           std::size_t count, std::uint32_t seed) {
   const ShapeOracle oracle(shape);
@@ -37,13 +55,13 @@ void check_against_oracle(test::TreeWorkshop& workshop, const NamedShape& named,
   const std::vector<std::uint32_t> occluded = bench.queries.occluded(rays);
   std::size_t objections = 0, sure = 0, found = 0;
   for (std::size_t i = 0; i < rays.size(); i++) {
-    const test::ShapeVerdict verdict = test::judge_shape(oracle, rays[i], hits[i]);
+    const stability::ShapeVerdict verdict = stability::judge_shapes({&oracle, 1}, 0, rays[i], hits[i]);
     sure += verdict.sure ? 1 : 0;
     found += hits[i].primitive != kMiss ? 1 : 0;
     const bool differs = (occluded[i] != 0) != (hits[i].primitive != kMiss);
-    if ((verdict.objection == nullptr && !differs) || objections++ > 0) continue;
+    if ((verdict.fault == stability::ShapeFault::none && !differs) || objections++ > 0) continue;
     UNSCOPED_INFO("ray " << i << " of kind " << i % kRayKinds << ": "
-                         << (differs ? "occluded() and intersect() differ" : verdict.objection) << ", "
+                         << (differs ? "occluded() and intersect() differ" : objection_to(verdict.fault)) << ", "
                          << test::describe(rays[i], hits[i], hits[i]) << ", part " << hits[i].u);
   }
   INFO(named.name << ", " << count << " rays, seed " << seed);

@@ -64,6 +64,7 @@ std::uint32_t with_implied(std::uint32_t bit) {
     case HR_FEATURE_VERTEX_COLORS:
     case HR_FEATURE_TEXTURES:
     case HR_FEATURE_RADIOSITY:
+    case HR_FEATURE_THIN_TRIANGLES:
       return bit | HR_FEATURE_TRIANGLES;
     case HR_FEATURE_IMPLICITS:
       return bit | HR_FEATURE_SHAPES;

@@ -15,6 +15,7 @@
 
 #include "host/gpu/program.hpp"
 #include "host/scene/expression.hpp"
+#include "host/stability/precise_line.hpp"
 #include "kernels/shared/scene_types.h"
 #include "tests/reference/polynomial_roots.hpp"
 #include "tests/support/kernel_folder.hpp"
@@ -115,59 +116,9 @@ shared::Shape place(const Form& form, const Expression& expression, const DMat3&
 
 // f(M (o + d (m + h s) - c)) without rounding to speak of.
 PrecisePolynomial along(const Expression& expression, const shared::Shape& s, const Shot& shot, double m, double h) {
-  std::vector<PrecisePolynomial> axis;
-  for (const shared::float4& row : {s.to_own_x, s.to_own_y, s.to_own_z}) {
-    const Precise center[3] = {s.to_own_x.w, s.to_own_y.w, s.to_own_z.w};
-    const float entries[3] = {row.x, row.y, row.z};
-    Precise at = 0, way = 0;
-    for (int k = 0; k < 3; k++) {
-      at += Precise(entries[k]) * (Precise(shot.origin[k]) + Precise(shot.direction[k]) * m - center[k]);
-      way += Precise(entries[k]) * Precise(shot.direction[k]) * h;
-    }
-    axis.push_back({at, way});
-  }
-  std::vector<PrecisePolynomial> stack;
-  for (const shared::uint4& op : expression.tape) {
-    const Precise constant = Precise(std::bit_cast<float>(op.z)) + Precise(std::bit_cast<float>(op.w));
-    const auto pop = [&stack] {
-      PrecisePolynomial p = stack.back();
-      stack.pop_back();
-      return p;
-    };
-    const auto combine = [](PrecisePolynomial a, const PrecisePolynomial& b, int sign_a, int sign_b) {
-      a.resize(std::max(a.size(), b.size()), 0);
-      for (Precise& c : a) c *= sign_a;
-      for (std::size_t k = 0; k < b.size(); k++) a[k] += sign_b * b[k];
-      return a;
-    };
-    if (op.x <= HR_TAPE_Z) {
-      stack.push_back(axis[op.x]);
-    } else if (op.x == HR_TAPE_PUSH) {
-      stack.push_back({constant});
-    } else if (op.x == HR_TAPE_NEG) {
-      stack.push_back(combine(pop(), {0}, -1, 1));
-    } else if (op.x == HR_TAPE_SQR) {
-      const PrecisePolynomial p = pop();
-      stack.push_back(reference::multiply(p, p));
-    } else if (op.x == HR_TAPE_ADD_CONST) {
-      stack.back()[0] += constant;
-    } else if (op.x == HR_TAPE_MUL_CONST) {
-      for (Precise& c : stack.back()) c *= constant;
-    } else if (op.x == HR_TAPE_DUP) {
-      stack.push_back(PrecisePolynomial(stack.back()));
-    } else if (op.x == HR_TAPE_MUL_UNDER) {
-      stack.back() = reference::multiply(stack.back(), stack[stack.size() - 2]);
-    } else if (op.x == HR_TAPE_NIP) {
-      stack.erase(stack.end() - 2);
-    } else {
-      const PrecisePolynomial top = pop(), under = pop();
-      stack.push_back(op.x == HR_TAPE_MUL   ? reference::multiply(under, top)
-                      : op.x == HR_TAPE_ADD ? combine(under, top, 1, 1)
-                      : op.x == HR_TAPE_SUB ? combine(under, top, 1, -1)
-                                            : combine(under, top, -1, 1));
-    }
-  }
-  return stack.back();
+  const shared::QueryRay ray{{shot.origin.x, shot.origin.y, shot.origin.z, shot.t_min},
+                             {shot.direction.x, shot.direction.y, shot.direction.z, 0.0F}};
+  return stability::polynomial_along(expression.tape, s, ray, m, h);
 }
 
 DVec3 to_object(const shared::Shape& s, const DVec3& v) {

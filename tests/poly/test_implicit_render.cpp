@@ -74,9 +74,27 @@ TEST_CASE("implicit surfaces: a ball is the ball that a sphere is, diffuse and o
   }
 }
 
+TEST_CASE("implicit surfaces: a power is the surface of its base, seen without doubt") {
+  Scene once = room(), often = room();
+  const auto add = [](Scene& scene, const std::string& text) {
+    add_implicit(scene, text, reference::add_material(scene, reference::diffuse(Vec3(0.7F))));
+  };
+  add(once, "x^2 + y^2 + z^2 - r^2");
+  add(often, "2*(x^2 + y^2 + z^2 - r^2)^4");
+  const RenderResult result = render(often), expected = render(once);
+  CHECK(result.statistics.uncertain_roots == 0);
+  for (int y = 0; y < kSize; y++) {
+    for (int x = 0; x < kSize; x++) {
+      REQUIRE(reference::value_at(result.image, "direct", x, y) == reference::value_at(expected.image, "direct", x, y));
+    }
+  }
+}
+
 TEST_CASE("implicit surfaces: roots that stay open are counted where the user sees it") {
   Scene scene = room();
-  add_implicit(scene, "(x^2 + y^2 + z^2 - r^2)^2", reference::add_material(scene, reference::diffuse(Vec3(0.7F))));
+  // The square of a sphere's polynomial, in a form that does not show it.
+  add_implicit(scene, "(x^2 + y^2 + z^2)^2 - 2*r^2*(x^2 + y^2 + z^2) + r^4",
+               reference::add_material(scene, reference::diffuse(Vec3(0.7F))));
   const RenderResult result = render(scene);
   CHECK(result.statistics.uncertain_roots > 100);  // every ray at it touches it twice
   CHECK(has_feature(result.statistics.features, HR_FEATURE_IMPLICITS));

@@ -35,7 +35,7 @@ kernel void smallest_roots(global const float2* coefficients, global const uint*
     for (uint k = 0; k <= p.degree; k++) p.c[k] = c[k].x + c[k].y;
     p.error = 6e-8f * poly_norm_f(&p);
     const float bound = poly_bound_f(&p);
-    Find_f find = poly_search_f(&p, bound, at, sign, true);
+    Find_f find = poly_search_f(&p, bound, at, HR_PLACE_END, sign, true);
     if (find.kind == HR_FIND_ROOT) poly_refine_f(&p, bound, find.sign_lo, &find.lo, &find.hi);
     if (find.kind != HR_FIND_OPEN) {
       found[item] = (float4)(find.lo, 0, find.hi, 0);
@@ -52,7 +52,7 @@ kernel void smallest_roots(global const float2* coefficients, global const uint*
   const WIDE_BOUND bound = HR_WIDE(poly_bound)(&p);
   HR_WIDE(Find) find;
   do {
-    find = HR_WIDE(poly_search)(&p, bound, at, sign, false);
+    find = HR_WIDE(poly_search)(&p, bound, at, HR_PLACE_END, sign, false);
     if (find.kind == HR_FIND_OPEN) open++;
     at = find.next;
     sign = find.sign_next;

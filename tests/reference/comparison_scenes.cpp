@@ -2,6 +2,7 @@
 #include "tests/reference/comparison_scenes.hpp"
 
 #include <cmath>
+#include <string>
 
 namespace hemiray::reference {
 
@@ -237,6 +238,30 @@ Scene analytic_shapes() {
   return scene;
 }
 
+/// A mirror of degree 4, a heart of degree 6 and a torus of glass.
+Scene implicit_surfaces() {
+  Scene scene = empty_scene({0.3, 2.2, 6.5}, {0, 0.6, 0}, 36.0);
+  scene.background = {0.4F, 0.5F, 0.7F};
+  scene.ambient = Vec3(0.1F);
+  add_checker_floor(scene);
+  const auto add = [&scene](const std::string& text, double clip, const DMat4& to_world, const Material& material) {
+    Shape& shape =
+        scene.shapes.emplace_back(placed_shape(ShapeKind::implicit, to_world, add_material(scene, material)));
+    shape.expression = parse_expression(text, {{"R", 0.6}, {"r", 0.25}});
+    shape.clip = Clip::box;
+    shape.clip_half = DVec3(clip);
+  };
+  add("x^4 + y^4 + z^4 - 0.25", 0.8, upright({-1.3, 0.9, -0.6}, {0.3, 1, 0.4}), mirror(0.85F));
+  add("(x^2 + 9/4*y^2 + z^2 - 1)^3 - x^2*z^3 - 9/80*y^2*z^3", 1.4, upright({1.2, 1.1, -0.8}, {0.05, 1, 0.1}),
+      glossy({0.7F, 0.1F, 0.1F}, 0.3F, 40.0F));
+  add("(x^2+y^2+z^2+R^2-r^2)^2 - 4*R^2*(x^2+y^2)", 0.9, upright({0.2, 0.55, 1.3}, {0.2, 0.8, 0.6}), glass(1.5F));
+  add_point_light(scene, {3, 6, 5}, Vec3(140.0F));
+  Light& sun = add_point_light(scene, {0, 0, 0}, Vec3(0.8F));
+  sun.kind = LightKind::directional;
+  sun.direction = glm::normalize(DVec3(0.5, -1.0, -0.3));
+  return scene;
+}
+
 /// The spheres again, scaled and moved: offsets that suit one size and place show here.
 Scene moved(Scene scene, double scale, const DVec3& offset) {
   const DVec3 eye(scene.camera.to_world[3]);
@@ -284,6 +309,7 @@ std::vector<ComparisonScene> comparison_scenes() {
   add("map view", map_view(), {48, 48, 1, 4, 0});
   add("analytic shapes", analytic_shapes(), {64, 40, 1, 5, 0});
   add("analytic shapes, 50 m from the origin", moved(analytic_shapes(), 1.0, {50, -20, 35}), {48, 32, 1, 4, 0});
+  add("implicit surfaces", implicit_surfaces(), {48, 32, 1, 4, 0});
   return list;
 }
 

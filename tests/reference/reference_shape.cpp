@@ -1,10 +1,12 @@
-// Every surface is a polynomial of degree 1 or 2 along the ray, and a region that bounds it.
+// Every surface but implicit ones is a polynomial of degree 1 or 2 along the ray, and a region that bounds it.
 #include "tests/reference/reference_shape.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+
+#include "tests/reference/reference_implicit.hpp"
 
 namespace hemiray::reference {
 
@@ -92,6 +94,7 @@ std::array<double, 2> roots(const Shape& s, Part part, const DVec3& o, const DVe
 }  // namespace
 
 std::optional<Hit> intersect_shape(const Shape& shape, const Ray& ray) {
+  if (shape.kind == ShapeKind::implicit) return intersect_implicit(shape, ray);
   const DVec3 o = to_own(shape.to_world, ray.origin);
   const DVec3 d(glm::inverse(shape.to_world) * glm::dvec4(ray.direction, 0.0));
   const double size = size_of(shape);
@@ -119,6 +122,7 @@ std::optional<Hit> intersect_shape(const Shape& shape, const Ray& ray) {
 }
 
 DVec3 shape_normal(const Shape& shape, const DVec3& point) {
+  if (shape.kind == ShapeKind::implicit) return implicit_normal(shape, point);
   const DVec3 p = to_own(shape.to_world, point);
   const double size = size_of(shape);
   std::size_t count = 0;

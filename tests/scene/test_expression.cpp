@@ -35,7 +35,7 @@ TEST_CASE("an expression has the value it would have in C++") {
     // Constants of the tape have 48 bits.
     const auto near = [](double expected) { return Approx(expected).epsilon(1e-13).margin(1e-12); };
     CHECK(value_of("x", p) == x);
-    CHECK(value_of("-x^2", p) == -(x * x));
+    CHECK(value_of("-x^2+1", p) == -(x * x) + 1);
     CHECK(value_of("x - y - z", p) == x - y - z);
     CHECK(value_of("x - (y*z + z^2*x)", p) == near(x - (y * z + z * z * x)));
     CHECK(value_of("1 - x", p) == -x + 1);
@@ -45,7 +45,7 @@ TEST_CASE("an expression has the value it would have in C++") {
     const double sum = x * x + y * y + z * z + 1.0 - 0.0625;
     CHECK(value_of("(x^2+y^2+z^2+R^2-r^2)^2 - 4*R^2*(x^2+y^2)", p) == near(sum * sum - 4 * (x * x + y * y)));
     for (int n = 1; n <= 16; n++) {
-      CHECK(value_of("(x+y)^" + std::to_string(n), p) == Approx(std::pow(x + y, n)).epsilon(1e-13));
+      CHECK(value_of("(x+y)^" + std::to_string(n) + "+1", p) == Approx(std::pow(x + y, n) + 1).epsilon(1e-13));
     }
   }
 }
@@ -54,7 +54,7 @@ TEST_CASE("degree, stack and length of an expression are those of its tree") {
   const auto degree = [](const std::string& text) { return parse_expression(text, kConstants).degree; };
   CHECK(degree("x") == 1);
   CHECK(degree("x*y*z - 1") == 3);
-  CHECK(degree("(x^2+y)^8") == 16);
+  CHECK(degree("(x^2+y)^8-1") == 16);
   CHECK(degree("0*x^16 + y") == 1);
   CHECK(degree("x^0*y") == 1);
   // The deeper part comes first, so a long chain needs two entries whichever way it is written.
@@ -63,12 +63,34 @@ TEST_CASE("degree, stack and length of an expression are those of its tree") {
   const Expression swapped = parse_expression("x - y*z", kConstants);
   REQUIRE(swapped.tape.size() == 5);
   CHECK(swapped.tape[4].x == HR_TAPE_RSUB);
-  const Expression square = parse_expression("(x+1)^8", kConstants);
-  CHECK(square.tape.size() == 5);
+  const Expression square = parse_expression("(x+1)^8+1", kConstants);
+  CHECK(square.tape.size() == 6);
   const shared::uint4 third = parse_expression("x/3", kConstants).tape[1];
   CHECK(third.x == HR_TAPE_MUL_CONST);
   CHECK(double{std::bit_cast<float>(third.z)} + double{std::bit_cast<float>(third.w)} ==
         Approx(1.0 / 3.0).epsilon(1e-14));
+}
+
+TEST_CASE("factors that the text repeats count once") {
+  const auto parsed = [](const std::string& text) { return parse_expression(text, kConstants); };
+  const auto check_same = [&](const std::string& text, const std::string& expected, std::uint32_t written) {
+    INFO(text);
+    const Expression a = parsed(text), b = parsed(expected);
+    CHECK(a.degree == b.degree);
+    CHECK(a.written_degree == written);
+    REQUIRE(a.tape.size() == b.tape.size());
+    for (std::size_t i = 0; i < a.tape.size(); i++) {
+      CHECK((a.tape[i].x == b.tape[i].x && a.tape[i].z == b.tape[i].z && a.tape[i].w == b.tape[i].w));
+    }
+  };
+  check_same("(x^2+y^2+z^2-R)^2", "x^2+y^2+z^2-R", 4);
+  check_same("3*(x+y)^3", "x+y", 3);
+  check_same("-(x+y)^3/2", "-(x+y)", 3);
+  check_same("(x*(y-1))^2*x", "x*(y-1)", 5);
+  check_same("(x-y)*z*(x-y)", "(x-y)*z", 3);
+  // Not what is no factor of the whole, and not what only algebra would find.
+  check_same("x^2*y^2+z^2", "x^2*y^2+z^2", 4);
+  check_same("(x-y)*(y-x)", "(x-y)*(y-x)", 2);
 }
 
 TEST_CASE("an error names the column and what was expected") {

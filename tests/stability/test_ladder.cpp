@@ -33,8 +33,11 @@ void check(const std::vector<Case>& cases, bool double_precision = false) {
 TEST_CASE("the ladder holds: places") { check(place_cases()); }
 TEST_CASE("the ladder holds: shapes") { check(shape_cases()); }
 TEST_CASE("the ladder holds: spheres") { check(sphere_cases()); }
+TEST_CASE("the ladder holds: disks, cylinders, cones and quadrics") { check(analytic_cases()); }
+TEST_CASE("the ladder holds: implicit surfaces") { check(implicit_cases()); }
 TEST_CASE("the ladder holds: degenerate triangles") { check(degenerate_cases()); }
 TEST_CASE("the ladder holds: leaving surfaces") { check(leaving_cases()); }
+TEST_CASE("the ladder holds: instances") { check(instance_cases()); }
 TEST_CASE("the ladder holds: pictures") { check(picture_cases()); }
 
 TEST_CASE("the ladder holds in double precision") {
