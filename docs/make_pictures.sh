@@ -17,6 +17,9 @@ picture() {  # SCENE SIZE EXPOSURE
   echo "$folder/$name.png"
 }
 picture cornell_box.json 300x300 1
+"$hemiray" render scenes/cornell_box.json -o "$work/radiosity.exr" --png "$folder/cornell_radiosity.png" \
+  --method radiosity --size 300x300 --exposure 1 --spp 16 --quiet
+echo "$folder/cornell_radiosity.png"
 picture whitted_spheres.json 400x300 0
 picture glass_and_mirror.json 400x300 0
 picture light_arrays.json 450x300 0
