@@ -14,8 +14,8 @@ namespace hemiray {
 /// launches are specialised to it.
 std::uint32_t features_of(const Scene& scene, const FlatScene& flat, int depth);
 
-/// The part of it that the triangles call for: whether there are any, and thin ones, of an aspect of over 100, among
-/// them, of which kernels take more care.
+/// The part of it that the triangles call for: whether there are any, and whether more than one in 16 is thin, of an
+/// aspect of over 100. Then kernels find the distance of thin ones exactly, which costs time.
 std::uint32_t triangle_features(const FlatScene& flat);
 
 /// Is `feature` (a bit, or HR_FEATURE_ALWAYS) on in the mask?

@@ -157,16 +157,19 @@ static inline bool intersect_triangle_fast(const Ray* ray, real3 a, real3 e1, re
 static inline bool intersect_sphere(const Ray* ray, real3 center, real radius, real* t) {
   const real3 oc = ray->origin - center;
   const real length2 = dot3(ray->direction, ray->direction);
-  const real about = divide(-dot3(oc, ray->direction), length2);
+  const real b = -dot3(oc, ray->direction), about = divide(b, length2);
   const real3 near_middle = fma(ray->direction, (real3)(about), oc);  // cancels: no product may be rounded before
   const real off = divide(dot3(near_middle, ray->direction), length2), t_middle = about - off;
   const real3 middle = fma(ray->direction, (real3)(-off), near_middle);
   const real disc = length2 * (radius * radius - dot3(middle, middle));
   if (!(disc >= 0)) return false;
-  const real chord = divide(square_root(disc), length2);  // half of it
+  const real root = square_root(disc), chord = divide(root, length2);  // half of it
   const real t0 = t_middle >= 0 ? t_middle + chord : t_middle - chord;
   real t1 = t_middle >= 0 ? t_middle - chord : t_middle + chord;
-  if (chord > REAL(0.5) * fabs(t_middle) && t0 != 0) t1 = divide(dot3(oc, oc) - radius * radius, length2 * t0);
+  if (chord > REAL(0.5) * fabs(t_middle)) {
+    const real q = b >= 0 ? b + root : b - root;  // length2 t0
+    if (q != 0) t1 = divide(dot3(oc, oc) - radius * radius, q);
+  }
   const real lo = min(t0, t1), hi = max(t0, t1);
   *t = lo > ray->t_min ? lo : hi;
   return *t > ray->t_min;

@@ -145,7 +145,9 @@ static inline LaneSet block_candidates(BlockNumbers numbers, global const float*
     const HR_FLOATL nearest = min(min(az, bz), cz), farthest = max(max(az, bz), cz);
     const HR_FLOATL reach = max(max(max(fabs(ax), fabs(ay)), max(fabs(bx), fabs(by))), max(fabs(cx), fabs(cy)));
     const HR_INTL thin = HR_IS_THIN(farthest - nearest, reach, max(fabs(nearest), fabs(farthest)), depth_det);
-    unsure |= thin;
+    // Wherever t is, it is between those of the vertices.
+    const HR_FLOATL first = ray->sz < 0 ? farthest : nearest, last = ray->sz < 0 ? nearest : farthest;
+    unsure |= thin & (ray->sz * first <= t_far * HR_SLAB_PAD) & (ray->sz * last >= 0.0f);
     hits->u_det = HR_AS_FLOATL(HR_AS_INTL(hits->u_det) | (thin & (HR_INTL)(0x80000000)));  // negative: doubtful
   }
   HR_INTL met = ((least >= 0.0f) | (most <= 0.0f)) & (in_range | unsure);

@@ -8,8 +8,8 @@
 // In the sheared plane coordinates are at most `reach`, and each is off by some 5 ulps of `farthest`, the largest depth
 // (reach is no more than twice that): an edge function by 5 ulps of 4 reach farthest, and t, whose weights these are,
 // by that times `spread`, the difference of the vertices' depths, over det. Depth at the hit is depth_det / det. So t
-// is off by some 40 times this many ulps where a triangle is not thin. A macro, for scalars and vectors.
-#define HR_THIN_GAIN 8
+// is off by at most some 40 times this many ulps where a triangle is not thin. A macro, for scalars and vectors.
+#define HR_THIN_GAIN 64
 #define HR_IS_THIN(spread, reach, farthest, depth_det) \
   ((spread) * (reach) * (farthest) > HR_THIN_GAIN * fabs(depth_det))
 

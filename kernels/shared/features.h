@@ -32,7 +32,7 @@
 #define HR_FEATURE_INSTANCES (1u << 24)      /* meshes that copies share, each with a tree of its own */
 #define HR_FEATURE_SHAPES (1u << 25)         /* disks, cylinders, cones, quadrics */
 #define HR_FEATURE_IMPLICITS (1u << 26)      /* shapes that are implicit polynomial surfaces */
-#define HR_FEATURE_THIN_TRIANGLES (1u << 27) /* whose distance needs more digits than their edge functions keep */
+#define HR_FEATURE_THIN_TRIANGLES (1u << 27) /* many, whose distance edge functions tell badly */
 #define HR_FEATURE_RADIOSITY (1u << 28)      /* patches, lit by a radiosity solution */
 #define HR_FEATURE_COUNT 29
 

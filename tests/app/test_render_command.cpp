@@ -140,8 +140,8 @@ TEST_CASE("the picture's header says how it was made") {
   CHECK_THAT(header["device"], Catch::Contains(device["name"].get<std::string>()));
   CHECK(header["driver"] == device["driver"]);
   CHECK(header["options"] ==
-        "--engine megakernel --accel bvh --tree quality --triangle watertight --rays auto --terminator smooth "
-        "--precision single --size 20x10 --spp 2 --depth 2 "
+        "--method whitted --engine megakernel --accel bvh --tree quality --triangle watertight --rays auto "
+        "--terminator smooth --precision single --size 20x10 --spp 2 --depth 2 "
         "--seed 77 --strict");
   CHECK(header["engine"] == "megakernel");
   CHECK(header["seed"] == "77");

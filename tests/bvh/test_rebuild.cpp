@@ -126,7 +126,7 @@ TEST_CASE("a refitted tree is true to the moved scene and answers as a rebuilt o
     test::BuiltTree tree(workshop, flat, kind.options);
     const TreeBytes built = bytes_of(tree.accel);
     for (const FlatScene& scene : scenes) {
-      const DeviceScene device_scene(workshop.context, scene, test::kAllPrimitives);
+      const DeviceScene device_scene(workshop.context, scene, test::kAllPrimitives | triangle_features(scene));
       tree.accel.refit(device_scene);
       test::TreeCheck(scene, tree.accel, kind.options).run(true);
       if (kind.options.triangle_test == TriangleTest::fast) continue;  // its slabs may lose a ray at a box's rim

@@ -15,6 +15,7 @@
 #include "shared/bvh_types.h"
 #include "shared/features.h"
 #include "shared/params.h"
+#include "shared/radiosity_types.h"
 #include "shared/scene_types.h"
 #include "tests/support/kernel_folder.hpp"
 
@@ -41,6 +42,7 @@ static_assert(sizeof(shared::CollapseRegion) == 48);
 static_assert(sizeof(shared::BoundsPartial) == 80 && alignof(shared::BoundsPartial) == 16);
 static_assert(sizeof(shared::QueryRay) == 32 && alignof(shared::QueryRay) == 16);
 static_assert(sizeof(shared::QueryHit) == 16);
+static_assert(sizeof(shared::HemicubeParams) == 32);
 static_assert(sizeof(shared::RenderParams) == 160 && alignof(shared::RenderParams) == 16);
 
 struct Member {
@@ -107,6 +109,10 @@ const std::vector<Layout>& layouts() {
         HR_FOUR(BoundsPartial, valid, non_finite, degenerate, pad)}},
       {"QueryRay", sizeof(shared::QueryRay), {HR_MEMBER(QueryRay, origin), HR_MEMBER(QueryRay, direction)}},
       {"QueryHit", sizeof(shared::QueryHit), {HR_FOUR(QueryHit, t, u, v, primitive)}},
+      {"HemicubeParams",
+       sizeof(shared::HemicubeParams),
+       {HR_FOUR(HemicubeParams, resolution, divisions, turned, jittered),
+        HR_FOUR(HemicubeParams, seed_key, row_count, side_count, pad)}},
       {"RenderParams",
        sizeof(shared::RenderParams),
        {HR_FOUR(RenderParams, camera_position, camera_right, camera_up, camera_back),
@@ -138,7 +144,8 @@ std::string probe_kernel(const Layout& layout) {
 
 TEST_CASE("every shared struct lies in memory alike on host and device") {
   std::string text =
-      "#include \"shared/scene_types.h\"\n#include \"shared/bvh_types.h\"\n#include \"shared/params.h\"\n";
+      "#include \"shared/scene_types.h\"\n#include \"shared/bvh_types.h\"\n#include \"shared/params.h\"\n"
+      "#include \"shared/radiosity_types.h\"\n";
   for (const Layout& layout : layouts()) text += probe_kernel(layout);
   const test::KernelFolder folder("probe/layout.cl", text);
   Context context(choose_device(""));

@@ -279,7 +279,7 @@ TEST_CASE("an integrating sphere is solved by hybrid factors, to first order") {
       const shared::uint4 t = mesh.flat.triangles[i];
       const Vec3 p =
           (test::vertex(mesh.flat, t.x) + test::vertex(mesh.flat, t.y) + test::vertex(mesh.flat, t.z)) / 3.0F;
-      const float rho = 0.45F + 0.4F * p.x, e = 1.0F + p.y + 0.5F * p.z;
+      const float rho = 0.45F + 0.4F * p.x, e = 1.2F + p.y + 0.5F * p.z;
       for (std::uint32_t side = 2 * i; side < 2 * i + 2; side++) {
         mesh.reflectance[side] = {rho, rho, rho, rho};
         mesh.emission[side] = {e, e, e, 1.0F};

@@ -212,7 +212,7 @@ TEST_CASE("a shape's box holds every point of it and is hardly larger") {
   }
 }
 
-TEST_CASE("a surface without points in its clip is a fault; one that may have some is not") {
+TEST_CASE("a surface without points in its clip is a fault, one that may have some is not") {
   CHECK(shape_fault(implicit("x^2 + y^2 + z^2 + 1", Clip::box, 2.0)).find("has no points there") != std::string::npos);
   CHECK(shape_fault(implicit("x^2 + y^2 + z^2 - 9", Clip::sphere, 2.0)).find("has no points there") !=
         std::string::npos);
