@@ -138,19 +138,20 @@ void read_shape_object(const JsonNode& node, std::string_view type, JsonBuild& b
   Shape shape = read_geometry(node, type);
   shape.name = read_name(node);
   const std::string fault = shape_fault(shape);
-  if (!fault.empty()) node.fail(fmt::format("a {} {}", type, fault));
+  if (!fault.empty()) node.fail(fmt::format("{}: {}", type, fault));
   shape.material = read_material_of(node, build);
   const Material& material = build.scene.materials[shape.material];
   refuse_textures(node, material, type);
   if (material.emission != Vec3(0.0F)) {
     node.at("material")
-        .fail(fmt::format("a {} cannot emit, but material {} does; use a sphere, a quad or a mesh", type,
+        .fail(fmt::format("a{} cannot emit, but material {} does; use a sphere, a quad or a mesh",
+                          type == "implicit" ? "n implicit surface" : " " + std::string(type),
                           in_quotes(material.name)));
   }
   if (const auto transform = node.find("transform")) {
     shape.to_world = read_transform(*transform) * shape.to_world;
     const std::string placed_fault = shape_fault(shape);
-    if (!placed_fault.empty()) transform->fail(fmt::format("a {} {}", type, placed_fault));
+    if (!placed_fault.empty()) transform->fail(fmt::format("{}: {}", type, placed_fault));
   }
   build.scene.shapes.push_back(std::move(shape));
 }

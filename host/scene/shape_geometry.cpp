@@ -168,9 +168,22 @@ double reach_of(const WorldBounds& bounds, const DVec3& place) {
   return glm::length(glm::max(glm::abs(bounds.min - place), glm::abs(bounds.max - place)));
 }
 
+// Places in general position: a polynomial of degree 16 or less that is 0 on all of them is 0 everywhere.
+bool is_zero_everywhere(const Shape& s) {
+  constexpr int kPlaces = 64;
+  if (s.kind != ShapeKind::implicit) return false;
+  for (int i = 1; i <= kPlaces; i++) {
+    const auto coordinate = [i](double rate) { return std::fmod(i * rate, 1.0) - 0.5; };
+    if (evaluate(s.expression, DVec3(coordinate(0.8191725), coordinate(0.6710436), coordinate(0.5497005))) != 0.0)
+      return false;
+  }
+  return true;
+}
+
 std::string clip_fault(const Shape& s, const Placed& placed) {
   const DVec3 half = clip_half(s);
   if (!(std::min({half.x, half.y, half.z}) > 0.0)) return "its clip must be larger than nothing";
+  if (is_zero_everywhere(s)) return "its expression is 0 everywhere: it is no surface";
   if (!has_points(s, placed)) return "its clip must hold a part of the surface: it has no points there";
   return {};
 }

@@ -142,22 +142,30 @@ ordered_json comparisons_json(const Report& report) {
 }
 
 // The least gap below which none is resolved without fault.
-std::string smallest_gap(const Report& report) {
+// The smallest of the case's gaps from which on every ray goes where it should; empty if there is none.
+std::string least_gap(const Report& report, const char* case_name) {
+  std::string least;
   for (const CaseResults& one : report.cases) {
-    if (one.name != "gap") continue;
-    std::string least;
+    if (one.name != case_name) continue;
     for (const RungResult& rung : one.rungs) {
       if (rung.ours.tunnelled + rung.ours.self_hit + rung.ours.missed > 0) break;
       least = rung.rung;
     }
-    if (!least.empty()) {
-      return fmt::format(
-          " The smallest gap between two surfaces that is resolved by every ray: {} of the distance from "
-          "the origin.",
-          least);
-    }
   }
-  return "";
+  return least;
+}
+
+std::string smallest_gap(const Report& report) {
+  const std::string world = least_gap(report, "gap"), instances = least_gap(report, "gap, instances");
+  std::string text;
+  if (!world.empty()) {
+    text += fmt::format(
+        " The smallest gap between two surfaces that is resolved by every ray: {} of the distance from the origin",
+        world);
+  }
+  if (!instances.empty())
+    text += fmt::format("{} {} in instances", world.empty() ? " The smallest gap is" : ",", instances);
+  return text.empty() ? text : text + ".";
 }
 
 std::size_t count_rungs(const Report& report) {
@@ -199,7 +207,9 @@ std::string case_table(const CaseResults& results) {
     if (rung.open_regions) {
       text += fmt::format("  uncertain {}, open regions {}", rung.ours.uncertain, *rung.open_regions);
     }
-    text += rung.broken.empty() ? "\n" : fmt::format("  FAILS: {}\n", fmt::join(rung.broken, ", "));
+    const std::string word = verdict(results, rung);
+    text += rung.broken.empty() ? (word == "clean" ? "\n" : fmt::format("  {}\n", word))
+                                : fmt::format("  FAILS: {}\n", fmt::join(rung.broken, ", "));
     if (rung.packets && rung.other_bits > 0) {
       row("  in packets", *rung.packets);
       text += "\n";

@@ -6,35 +6,42 @@
 #include "lib/polynomial.h"
 #include "lib/shape.h"
 
-// How much farther than the clip's own distances roots are sought: relative, more than these distances' rounding.
+// How much beyond the clip roots are still taken: relative to the surface's size and the way to the clip's ends from
+// the point of the ray nearest to it, more than these are rounded by.
 #define HR_CLIP_PAD (64 * HR_HALF_ULP)
 
-// The part of the ray within the clip, a little widened.
-static inline bool implicit_interval(global const Shape* s, const Ray* ray, real* t0, real* t1) {
-  const real3 from = ray->origin - shape_place(s), middle_of_clip = param3(s->linear);
-  const real3 o = vector_to_own(s, from), d = vector_to_own(s, ray->direction);
-  real near, far;
+// The part of a ray within the clip: t in start + [near, far]. `start` is that of the point nearest to the surface if
+// the ray comes from afar, so that near and far have the digits of the surface's size.
+typedef struct ClipSpan {
+  real start, near, far;
+} ClipSpan;
+
+static inline bool implicit_span(global const Shape* s, const Ray* ray, ClipSpan* span) {
+  OwnRay own;
+  if (!ray_to_own(ray, s, &own)) return false;
+  const real3 d = own.direction, oc = own.origin - param3(s->linear);
+  const real length2 = dot3(d, d);
   if (s->flags & HR_SHAPE_CLIP_SPHERE) {
-    const real3 oc = o - middle_of_clip;
-    const real length2 = dot3(d, d), middle = -divide(dot3(oc, d), length2);
+    const real middle = -divide(dot3(oc, d), length2);
     const real3 closest = oc + d * middle;
     const real radius = s->clip.w * (1 + HR_CLIP_PAD) + HR_GAMMA(24) * (fabs(oc.x) + fabs(oc.y) + fabs(oc.z));
     const real rest = divide(radius * radius - dot3(closest, closest), length2);
     if (!(rest >= 0)) return false;
-    near = middle - square_root(rest);
-    far = middle + square_root(rest);
+    span->near = middle - square_root(rest);
+    span->far = middle + square_root(rest);
   } else {
     const real3 inverse = (real3)(safe_reciprocal(d.x), safe_reciprocal(d.y), safe_reciprocal(d.z));
-    const real3 a = (middle_of_clip - param3(s->clip) - o) * inverse;
-    const real3 b = (middle_of_clip + param3(s->clip) - o) * inverse;
+    const real3 a = (-param3(s->clip) - oc) * inverse, b = (param3(s->clip) - oc) * inverse;
     const real3 lo = min(a, b), hi = max(a, b);
-    near = max(max(lo.x, lo.y), lo.z);
-    far = min(min(hi.x, hi.y), hi.z);
+    span->near = max(max(lo.x, lo.y), lo.z);
+    span->far = min(min(hi.x, hi.y), hi.z);
   }
-  const real pad = HR_CLIP_PAD * (fabs(near) + fabs(far));
-  *t0 = max(near - pad, ray->t_min);
-  *t1 = min(far + pad, ray->t_max);
-  return *t0 < *t1;
+  const real size = divide(s->lo.w, square_root(dot3(ray->direction, ray->direction)));
+  const real pad = HR_CLIP_PAD * (fabs(span->near) + fabs(span->far) + size);
+  span->start = own.start;
+  span->near -= pad;
+  span->far += pad;
+  return span->near < span->far;
 }
 
 typedef struct ImplicitSearch {
@@ -42,10 +49,17 @@ typedef struct ImplicitSearch {
   global const Shape* surface;
   real3 origin, direction;
   float m, h;  // t = m + h s
+  ClipSpan clip;
   real t_min, t_far;
   ulong end;       // t_far as a place, or a little beyond
   uint uncertain;  // regions in front of the hit, or of nothing, in which there may be a root
 } ImplicitSearch;
+
+// The interval that is searched has the digits of t alone, so from afar it reaches beyond the clip.
+static inline bool implicit_in_clip(const ImplicitSearch* search, HR_WIDE_NUM root) {
+  const real t = HR_WIDE_REAL(HR_WIDE_LINEAR(HR_WIDE_OF(search->clip.start), HR_WIDE_OF(-1), root));
+  return t >= search->clip.near && t <= search->clip.far;
+}
 
 // [t_lo, t_hi] could not be told as part of a longer interval. Its own series has smaller coefficients, so less error.
 // Sets *t to the smallest root and returns HR_FIND_ROOT or HR_FIND_CLUSTER, or HR_FIND_NONE, counting what is open.
@@ -107,14 +121,14 @@ static inline bool implicit_wide(ImplicitSearch* search, ulong at, int sign, rea
     }
     *t = HR_WIDE_REAL(root);
     if (*t > search->t_far) return false;
-    if (*t > search->t_min) return true;
+    if (*t > search->t_min && implicit_in_clip(search, root)) return true;
   }
   return false;
 }
 
 // A root that float has isolated in [t_lo, t_hi] to the precision of `real`: Newton's steps with value and slope in the
 // wide arithmetic. False if they do not settle within the bracket.
-static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, float t_hi, real* t) {
+static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, float t_hi, HR_WIDE_NUM* root) {
 #pragma OPENCL FP_CONTRACT OFF
   HR_WIDE_NUM at = HR_WIDE_OF(0.5f * (t_lo + t_hi));
   const float size = fabs(t_lo) + fabs(t_hi);
@@ -127,7 +141,7 @@ static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, flo
     at = HR_WIDE_LINEAR(move, HR_WIDE_OF(-1), at);
     const real here = HR_WIDE_REAL(at);
     if (!(here >= t_lo - HR_UNIT_F * size && here <= t_hi + HR_UNIT_F * size)) return false;
-    *t = here;
+    *root = at;
     if (fabs((real)HR_WIDE_HIGH(move)) <= REAL(0.0625) * HR_HALF_ULP * size) return true;
   }
   return false;
@@ -146,9 +160,11 @@ static inline ulong implicit_end(float m, float h, real t_far) {
 static inline bool intersect_implicit(global const uint4* tapes, global const Shape* surface, const Ray* ray,
                                       real t_far, real* t, uint* uncertain) {
 #pragma OPENCL FP_CONTRACT OFF
-  real t0, t1;
-  if (!implicit_interval(surface, ray, &t0, &t1) || t0 > t_far) return false;
   ImplicitSearch search;
+  if (!implicit_span(surface, ray, &search.clip)) return false;
+  const real t0 = max(search.clip.start + search.clip.near, ray->t_min);
+  const real t1 = min(search.clip.start + search.clip.far, ray->t_max);
+  if (!(t0 <= t1) || t0 > t_far) return false;
   search.tapes = tapes;
   search.surface = surface;
   search.origin = ray->origin;
@@ -170,9 +186,11 @@ static inline bool intersect_implicit(global const uint4* tapes, global const Sh
   if (find.kind == HR_FIND_ROOT) {
     poly_refine_f(&p, bound, find.sign_lo, &find.lo, &find.hi);
     const float t_lo = fma(search.h, find.lo, search.m), t_hi = fma(search.h, find.hi, search.m);
-    if (implicit_polish(&search, t_lo, t_hi, t)) {
+    HR_WIDE_NUM root;
+    if (implicit_polish(&search, t_lo, t_hi, &root)) {
+      *t = HR_WIDE_REAL(root);
       if (*t > t_far) return false;
-      if (*t > ray->t_min) return true;
+      if (*t > ray->t_min && implicit_in_clip(&search, root)) return true;
     } else {  // from the beginning: `at` is behind the root
       at = 0;
       sign = 0;

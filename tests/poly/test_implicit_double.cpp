@@ -59,6 +59,7 @@ std::vector<shared::float4> shoot(const std::string& text, const ExpressionConst
   surface.to_own_y = {0, 1, 0, 0};
   surface.to_own_z = {0, 0, 1, 0};
   surface.clip = {2, 2, 2, 0};
+  surface.lo.w = 3.5F;  // reaches around the clip
   surface.form.y = std::bit_cast<float>(static_cast<std::uint32_t>(expression.tape.size()));
   surface.kind = HR_SHAPE_IMPLICIT;
   surface.flags = HR_SHAPE_CLIP_BOX;

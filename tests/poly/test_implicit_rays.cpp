@@ -108,6 +108,7 @@ shared::Shape place(const Form& form, const Expression& expression, const DMat3&
   s.to_own_y = row(1);
   s.to_own_z = row(2);
   s.clip = {form.clip, form.clip, form.clip, 0};
+  s.lo.w = 1.74F * form.clip * static_cast<float>(scale);  // reaches around the clip
   s.form.y = std::bit_cast<float>(static_cast<std::uint32_t>(expression.tape.size()));
   s.kind = HR_SHAPE_IMPLICIT;
   s.flags = HR_SHAPE_CLIP_BOX;

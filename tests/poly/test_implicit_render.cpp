@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
+#include <vector>
 
+#include "host/bvh/ray_queries.hpp"
 #include "host/path/render.hpp"
 #include "host/scene/expression.hpp"
 #include "host/scene/features.hpp"
@@ -98,6 +101,51 @@ TEST_CASE("implicit surfaces: roots that stay open are counted where the user se
   const RenderResult result = render(scene);
   CHECK(result.statistics.uncertain_roots > 100);  // every ray at it touches it twice
   CHECK(has_feature(result.statistics.features, HR_FEATURE_IMPLICITS));
+}
+
+// A plane, turned by 60 degrees, in a clip that cuts it, looked at along z: an ellipse or a parallelogram.
+TEST_CASE("implicit surfaces: their clip cuts them from any distance as from nearby") {
+  for (const Clip clip : {Clip::sphere, Clip::box}) {
+    Scene scene = reference::empty_scene({0, 0, 5}, {0, 0, 0}, 40.0);
+    Shape& shape = add_implicit(scene, "x", reference::add_material(scene, reference::diffuse(Vec3(0.7F))));
+    shape.clip = clip;
+    shape.clip_radius = 1.0;
+    shape.clip_half = DVec3(1.0);
+    const double sine = std::sqrt(0.75), cosine = 0.5;
+    shape.to_world = DMat4({cosine, 0, -sine, 0}, {0, 1, 0, 0}, {sine, 0, cosine, 0}, {0, 0, 0, 1});
+    const FlatScene flat = flatten_scene(scene);
+    Context context(choose_device(""));
+    Parallel parallel(context);
+    AccelBuilder builder(context, parallel);
+    const DeviceScene device_scene(context, flat, features_of(scene, flat, 0));
+    const Accel accel(builder, device_scene);
+    RayQueries queries(context, device_scene, accel);
+    for (const double distance : {3.0, 1e3, 1e5, 1e7}) {
+      std::vector<shared::QueryRay> rays;
+      std::vector<bool> inside;
+      for (int i = -40; i <= 40; i++) {
+        for (int j = -40; j <= 40; j++) {
+          const double x = 0.0317 * i, y = 0.0317 * j, along = std::abs(x) / sine;
+          const double edge = clip == Clip::sphere ? std::hypot(along, y) : std::max(along, std::abs(y));
+          if (std::abs(edge - 1.0) < 1e-4) continue;  // the clip is taken a little wider
+          rays.push_back({{static_cast<float>(x), static_cast<float>(y), static_cast<float>(distance), 0.0F},
+                          {0.0F, 0.0F, -1.0F, std::numeric_limits<float>::infinity()}});
+          inside.push_back(edge < 1.0);
+        }
+      }
+      const std::vector<shared::QueryHit> hits = queries.intersect(rays);
+      std::size_t missed = 0, invented = 0;
+      for (std::size_t k = 0; k < hits.size(); k++) {
+        const bool hit = hits[k].primitive != HR_NO_PRIMITIVE;
+        missed += inside[k] && !hit;
+        invented += !inside[k] && hit;
+      }
+      CAPTURE(static_cast<int>(clip), distance);
+      CHECK(missed == 0);
+      CHECK(invented == 0);
+      CHECK(device_scene.uncertain_roots() == 0);
+    }
+  }
 }
 
 }  // namespace hemiray

@@ -220,6 +220,7 @@ TEST_CASE("a surface without points in its clip is a fault, one that may have so
   CHECK(shape_fault(quadric({1, 1, 1, 0, 0, 0, 0, 0, 0, -9}, Clip::box, 1.7)).find("has no points there") !=
         std::string::npos);
   CHECK(shape_fault(implicit("x^2 + y^2", Clip::box, 1.0)).empty());  // a line
+  CHECK(shape_fault(implicit("x*y - y*x", Clip::box, 1.0)).find("0 everywhere") != std::string::npos);
 }
 
 }  // namespace hemiray
