@@ -62,9 +62,8 @@ static inline real2 sincos_turn(real u) {
   const int q = (int)quarter & 3;
   return q == 0 ? (real2)(s, c) : (q == 1 ? (real2)(c, -s) : (q == 2 ? (real2)(-s, -c) : (real2)(-c, s)));
 #else
-  real c;
-  const real s = sincos(u * REAL(6.283185307179586), &c);
-  return (real2)(s, c);
+  const real a = u * REAL(6.283185307179586);
+  return (real2)(sin(a), cos(a));  // no sincos(): Oclgrind loses its pointer to private memory
 #endif
 }
 
