@@ -7,12 +7,12 @@
 HR_SHARED_BEGIN
 
 // Rows of the table, `stride` floats each.
-#define HR_SIDE_CENTER 0u    // x, y, z [m]
-#define HR_SIDE_CORNERS 3u   // three times x, y, z from the center [m]
-#define HR_SIDE_NORMAL 12u   // x, y, z, to the front of the side
-#define HR_SIDE_AREA 15u     // [m^2]; 0: padding
-#define HR_SIDE_RADIUS 16u   // of the corners about the center [m]
-#define HR_SIDE_SLOPE 17u    // how much rounding may tilt the normal
+#define HR_SIDE_CENTER 0u   // x, y, z [m]
+#define HR_SIDE_CORNERS 3u  // three times x, y, z from the center [m]
+#define HR_SIDE_NORMAL 12u  // x, y, z, to the front of the side
+#define HR_SIDE_AREA 15u    // [m^2]; 0: padding
+#define HR_SIDE_RADIUS 16u  // of the corners about the center [m]
+#define HR_SIDE_SLOPE 17u   // how much rounding may tilt the normal
 #define HR_SIDE_ROWS 18u
 // The stride is a multiple of this; bit matrices have a row of stride bits a side.
 #define HR_SIDE_PADDING 64u
