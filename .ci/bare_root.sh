@@ -4,6 +4,7 @@
 #                            exit code 1 where that cannot be done (the reason is printed)
 #   bare_root.sh run ROOT    runs the README's two commands in it. /proc, /sys and /dev are mounted in a namespace of
 #                            this process only, so they are gone with it however it ends.
+# HR_CI_CACHES: a folder whose caches (of the compiler and of kernels) the root fills, for the steps of .ci/run after it.
 set -euo pipefail
 repository=$(readlink -f -- "$(dirname -- "${BASH_SOURCE[0]}")/..")
 suite=bookworm
@@ -28,7 +29,8 @@ make_root() {
   if [[ -n $proxy && $proxy != DIRECT ]]; then export http_proxy=${http_proxy:-$proxy}; fi
 
   local start=$SECONDS
-  debootstrap --variant=minbase "$suite" "$root" "$mirror" >"$log" 2>&1 || { tail -n 20 "$log"; refuse "debootstrap failed"; }
+  debootstrap --variant=minbase --include=ccache "$suite" "$root" "$mirror" >"$log" 2>&1 ||
+    { tail -n 20 "$log"; refuse "debootstrap failed"; }
   echo "bare root: debootstrap took $((SECONDS - start)) s"
 
   # Let apt and the network work inside as they do outside.
@@ -59,8 +61,13 @@ inside_namespace() {  # ROOT: runs as the first process of its own mount and pro
     mount --bind "$repository/../shared" "$root/$home/../shared"
     mount -o remount,bind,ro "$root/$home/../shared"
   fi
+  if [[ -n ${HR_CI_CACHES:-} ]]; then
+    mkdir -p "$root$HR_CI_CACHES"
+    mount --bind "$HR_CI_CACHES" "$root$HR_CI_CACHES"
+  fi
   local environment=(PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8) name
-  for name in http_proxy https_proxy no_proxy HEMIRAY_CMAKE_ARGS CI; do
+  export CCACHE_BASEDIR=/$home
+  for name in http_proxy https_proxy no_proxy HEMIRAY_CMAKE_ARGS CI CCACHE_{DIR,BASEDIR,NOHASHDIR}; do
     if [[ -n ${!name:-} ]]; then environment+=("$name=${!name}"); fi
   done
   # shellcheck disable=SC2016  # expanded inside
@@ -79,5 +86,5 @@ case ${1:-} in
   make) make_root "$2" ;;
   run) exec unshare --mount --pid --fork --kill-child bash "${BASH_SOURCE[0]}" inside_namespace "$2" ;;
   inside_namespace) inside_namespace "$2" ;;
-  *) sed -n '2,6s/^# //p' "${BASH_SOURCE[0]}"; exit 2 ;;
+  *) sed -n '2,7s/^# //p' "${BASH_SOURCE[0]}"; exit 2 ;;
 esac
