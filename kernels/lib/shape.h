@@ -97,17 +97,18 @@ static inline void intersect_disk(const OwnRay* r, real radius, ShapeHits* hits)
 }
 
 // x^2 + y^2 = (mean + slope z)^2 between z = -half and half. With p = d.xy, m = o.xy, g the radius at o, e its growth
-// along d: a = p^2 - e^2, b = m p - g e, c = m^2 - g^2, and b^2 - a c = |g p - e m|^2 - (m x p)^2 (Lagrange's
-// identity), where thin cylinders cancel nothing. A capped cone is convex: the ray is inside of it where it is inside
-// of the side and between the caps, so none slips between side and cap.
+// along d: a = p^2 - e^2, b = m p - g e, c = m^2 - g^2, which long_dot() rounds once: of a ray that passes the apex
+// along a generator little is left of them. And b^2 - a c = |g p - e m|^2 - (m x p)^2 (Lagrange's identity), where thin
+// cylinders cancel nothing. A capped cone is convex: the ray is inside of it where it is inside of the side and between
+// the caps, so none slips between side and cap.
 static inline void intersect_cone(const OwnRay* r, real mean, real slope, real half_height, bool capped,
                                   ShapeHits* hits) {
 #pragma OPENCL FP_CONTRACT OFF
   const real3 o = r->origin, d = r->direction;
   const real g = fma(slope, o.z, mean), e = slope * d.z;
-  const real a = fma(d.x, d.x, difference_of_products(d.y, d.y, e, e));
-  const real b = fma(o.x, d.x, difference_of_products(o.y, d.y, g, e));
-  const real c = fma(o.x, o.x, difference_of_products(o.y, o.y, g, g));
+  const LongReal3 at = {(real3)(o.x, o.y, g), (real3)(0)}, at_minus = {(real3)(o.x, o.y, -g), (real3)(0)};
+  const LongReal3 along = {(real3)(d.x, d.y, e), (real3)(0)}, along_minus = {(real3)(d.x, d.y, -e), (real3)(0)};
+  const real a = long_dot(along, along_minus), b = long_dot(at, along_minus), c = long_dot(at, at_minus);
   const real area = difference_of_products(o.x, d.y, o.y, d.x);
   const real vx = difference_of_products(g, d.x, e, o.x), vy = difference_of_products(g, d.y, e, o.y);
   const real disc = fma(vx, vx, difference_of_products(vy, vy, area, area));
