@@ -39,8 +39,9 @@ constexpr const char* kExamples = R"(Examples:
   hemiray render scene.gltf -o out.exr --device cpu,1    these two
   hemiray render scene.gltf -o out.exr --device split:2  one device as two sub-devices
 
-The EXR holds the layers beauty (R, G, B, A; W/m^2/sr), depth (m), normal, albedo, id (object + 1), direct,
-reflection, refraction. Devices of one kind give the same bits, alone or together; one that fails on the way is
+The EXR holds the layers beauty (R, G, B, A; W/m^2/sr), depth (m), normal, albedo, id, direct, reflection,
+refraction. id counts from 1: meshes and quads, spheres, disks to implicit surfaces, planes, visible area lights, each
+kind in the scene's order; 0 is the background. Devices of one kind give the same bits, alone or together; one that fails on the way is
 dropped with a message, and the others do its part.
 Interrupt (Ctrl-C) finishes the pass, writes what is there and exits with 130.)";
 

@@ -11,6 +11,8 @@ namespace {
 constexpr std::size_t kMaxShownBytes = 60;
 constexpr std::size_t kLongestName = 64;  // longer words get no suggestion: the table is quadratic
 
+bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
+
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -49,10 +51,18 @@ std::string_view nearest_spelling(std::string_view word, std::span<const std::st
   return best;
 }
 
+std::string_view first_character(std::string_view text) {
+  std::size_t size = std::min<std::size_t>(text.size(), 1);
+  while (size < std::min<std::size_t>(text.size(), 4) && is_continuation(text[size])) size++;
+  return text.substr(0, size);
+}
+
 std::string printable(std::string_view text) {
   static constexpr char kHex[] = "0123456789abcdef";
   std::string shown;
-  for (const char c : text.substr(0, kMaxShownBytes)) {
+  std::size_t end = std::min(text.size(), kMaxShownBytes);
+  while (end > 0 && end < text.size() && is_continuation(text[end])) end--;
+  for (const char c : text.substr(0, end)) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20 || byte == 0x7f) {
       shown += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};

@@ -12,7 +12,10 @@ namespace hemiray {
 /// letters), 2 (under 8) or 3 edits away, or no letter in common.
 std::string_view nearest_spelling(std::string_view word, std::span<const std::string_view> candidates);
 
-/// `text` made fit for a one-line message: control bytes escaped, cut after 60 bytes.
+/// The first character of `text` in UTF-8, whole; nothing of nothing.
+std::string_view first_character(std::string_view text);
+
+/// `text` made fit for a one-line message: control bytes escaped, cut after 60 bytes, between characters.
 std::string printable(std::string_view text);
 
 /// printable(text) in double quotes.

@@ -63,7 +63,7 @@ class Parser {
 
   [[nodiscard]] std::string expected(std::string_view what) const {
     return fmt::format("expected {}, found {}", what,
-                       pos_ < text_.size() ? in_quotes(text_.substr(pos_, 1)) : std::string("the end"));
+                       pos_ < text_.size() ? in_quotes(first_character(text_.substr(pos_))) : std::string("the end"));
   }
 
   void skip_blanks() {

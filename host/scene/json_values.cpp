@@ -82,11 +82,13 @@ double read_number(const JsonNode& node, double low, double high) {
 }
 
 double read_positive(const JsonNode& node, double high) {
-  const double value = read_number(node, -std::numeric_limits<double>::max(), high);
+  constexpr double kAny = std::numeric_limits<double>::max();
   // Below the smallest normal float a length or an index would become 0 on the device.
-  if (!(value >= static_cast<double>(std::numeric_limits<float>::min()))) {
-    node.fail(fmt::format("must be greater than 0, found {}", value));
-  }
+  constexpr double kLeast = std::numeric_limits<float>::min();
+  const double value = read_number(node, -kAny, kAny);
+  if (!(value > 0.0)) node.fail(fmt::format("must be greater than 0, found {}", value));
+  if (value < kLeast) node.fail(fmt::format("must be at least {:.3g}, found {}", kLeast, value));
+  if (value > high) node.fail(fmt::format("must be at most {:g}, found {}", high, value));
   return value;
 }
 

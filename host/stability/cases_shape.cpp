@@ -98,6 +98,18 @@ std::vector<Case> shape_cases() {
     thin.rungs.emplace_back([=] { return from_around(name, slivers(16, value), 1.0F, 3.0F); });
   }
 
+  // Thick ones beside them, so that 1 triangle in 19 is thin (host/scene/features.cpp).
+  Case few{
+      "slivers, few", "The same beside 288 thick triangles: so few that t is not mended (docs/architecture.md).", {}};
+  for (const auto& [name, value] : kAspects) {
+    if (value < 100.0) continue;
+    few.rungs.emplace_back([=] {
+      FlatScene flat = slivers(16, value);
+      append(flat, moved(sheet(12), DVec3(0.5), {0.0, 0.0, -1.0}));
+      return from_around(name, std::move(flat), 1.5F, 3.0F);
+    });
+  }
+
   Case coplanar{"coplanar", "Two sheets so many ulps apart at a distance of 1 from the origin; then what touches.", {}};
   for (const int ulps : {0, 1, 4, 16, 64, 1024}) {
     coplanar.rungs.emplace_back([=] { return sheets(std::to_string(ulps) + " ulps", ulps); });
@@ -122,7 +134,7 @@ std::vector<Case> shape_cases() {
   constexpr std::pair<const char*, double> kAngles[] = {{"1e-1", 1e-1}, {"1e-2", 1e-2}, {"1e-3", 1e-3}, {"1e-4", 1e-4},
                                                         {"1e-5", 1e-5}, {"1e-6", 1e-6}, {"1e-7", 1e-7}};
   for (const auto& [name, value] : kAngles) along.rungs.emplace_back([=] { return grazing(name, value); });
-  return {std::move(thin), std::move(coplanar), std::move(inside), std::move(along)};
+  return {std::move(thin), std::move(few), std::move(coplanar), std::move(inside), std::move(along)};
 }
 
 }  // namespace hemiray::stability

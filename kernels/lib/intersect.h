@@ -84,8 +84,8 @@ static inline real exact_edge_function(real px, real py, real qx, real qy) {
 // shared edge, so an edge function's sign is right or zero: no ray slips between neighbours. A zero is then found
 // exactly: counted as inside at once, it would let small triangles be met by rays that pass far from them, where the
 // rounding of products is larger than their area. So a hit is one of the sheared vertices as rounded, which lie within
-// some ulps of |vertex - origin| of where they should. The scalar twin of block_candidates() in leaf_block.h, operation
-// for operation.
+// some ulps of |vertex - origin| of where they should. The scalar twin of block_candidates() in leaf_vectors.h,
+// operation for operation.
 static inline bool intersect_triangle(const Ray* ray, real3 a, real3 b, real3 c, real* t, real* u, real* v) {
 #pragma OPENCL FP_CONTRACT OFF
   const real az = pick(a, ray->kz) - ray->shear_origin.z;

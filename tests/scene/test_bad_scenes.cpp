@@ -119,7 +119,7 @@ TEST_CASE("bad scenes: materials") {
       {"\"materials\": {\"a/b\": {\"kd\": 2}}", ": /materials/a~1b/kd", "from 0 to 1"},
       {"\"materials\": {\"a\": {\"shinines\": 2}}", ": /materials/a", "did you mean \"shininess\"?"},
       {"\"materials\": {\"a\": {\"ior\": 0}}", ": /materials/a/ior", "greater than 0"},
-      {"\"materials\": {\"a\": {\"ior\": 1e-60}}", ": /materials/a/ior", "greater than 0"},
+      {"\"materials\": {\"a\": {\"ior\": 1e-60}}", ": /materials/a/ior", "at least 1.18e-38, found 1e-60"},
       {"\"materials\": {\"a\": {\"fresnel\": 1}}", ": /materials/a/fresnel", "true or false"},
       {"\"materials\": {\"a\": {\"emission\": -1}}", ": /materials/a/emission", "from 0"},
       {"\"materials\": {\"a\": {\"kd\": 1, \"metallic\": 1}}", ": /materials/a/kd", "does not go with"},

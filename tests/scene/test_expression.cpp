@@ -118,6 +118,7 @@ TEST_CASE("an error names the column and what was expected") {
   CHECK(fault_of("x*1e999") == "column 3: this number is too large or too small");
   CHECK(fault_of("x*.") == "column 3: expected a number, found \".\"");
   CHECK(fault_of("x\1") == "column 2: expected an operator, found \"\\x01\"");
+  CHECK(fault_of("x\u00b2 + 1") == "column 2: expected an operator, found \"\u00b2\"");
 }
 
 TEST_CASE("what would not fit the kernels is refused, and says what") {
