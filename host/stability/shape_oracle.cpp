@@ -70,6 +70,16 @@ void ShapeOracle::cut_short(const Wide& o_world, const Wide& d_world, std::vecto
   }
   if ((shape_.flags & HR_SHAPE_CAPPED) != 0) return;
   std::erase_if(*hits, [](const SurfaceHit& hit) { return hit.part != HR_PART_SIDE; });
+  // An open one's rim may be passed on either side by a ray that stays this close to the surface up to the rim's plane.
+  const Wide o = own(o_world), d = to_own_ * d_world;
+  if (d.z == 0) return;
+  for (SurfaceHit& hit : *hits) {
+    for (const long double z : {-shape_.form.z, shape_.form.z}) {
+      const long double at_rim = (z - o.z) / d.z, between = (hit.t + at_rim) / 2;
+      const auto away = [&](long double t) { return distance(HR_PART_SIDE, o_world + d_world * t); };
+      hit.margin = std::min(hit.margin, std::max(away(at_rim), away(between)));
+    }
+  }
 }
 
 long double ShapeOracle::distance(int part, const Wide& p_world) const {

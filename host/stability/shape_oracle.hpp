@@ -31,7 +31,8 @@ double ulp_along(const shared::QueryRay& ray, double t);
 struct SurfaceHit {
   long double t = 0;
   long double cosine = 0;  ///< between ray and normal, without sign
-  /// How far inside of its rim or clip, and how deep the ray goes below a curved surface, or into a cone [m].
+  /// How far inside of its rim or clip, and how deep the ray goes below a curved surface, or into a cone; at an open
+  /// cone no more than how far the ray is from the surface up to the rim [m].
   long double margin = 0;
   int part = HR_PART_SIDE;
 };
