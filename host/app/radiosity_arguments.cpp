@@ -13,6 +13,7 @@
 #include "host/base/atomic_file.hpp"
 #include "host/base/error.hpp"
 #include "host/base/numbers.hpp"
+#include "host/base/spelling.hpp"
 
 namespace hemiray::app {
 namespace {
@@ -178,10 +179,30 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a, const std::ve
   return options;
 }
 
-void tell_kept(const RadiosityOptions& options) {
-  if (options.keep.file.empty()) return;
-  fmt::print(stderr, "hemiray: what was computed is in {}; --resume {} goes on\n", options.keep.file,
-             options.keep.file);
+std::vector<std::string> left_out_by_radiosity(const Scene& scene) {
+  if (scene.ambient == Vec3(0.0F)) return {};
+  return {
+      fmt::format("radiosity leaves out the scene's ambient light of {:.4g}, {:.4g}, {:.4g} W/m^2/sr: it stands for "
+                  "the light between surfaces, which is computed here",
+                  scene.ambient.r, scene.ambient.g, scene.ambient.b)};
+}
+
+std::vector<std::string> left_out_without_radiosity(const Scene& scene) {
+  std::vector<std::string> notes;
+  for (const Material& material : scene.materials) {
+    if (material.translucency == Vec3(0.0F)) continue;
+    notes.push_back(fmt::format("material {}: its translucency is left out by --method whitted; radiosity shows it",
+                                in_quotes(material.name)));
+  }
+  return notes;
+}
+
+void tell_kept(const KeepOptions& keep, const RadiosityStatistics& statistics) {
+  if (keep.file.empty()) return;
+  const char* what = statistics.factors.interrupted
+                         ? "form factors pair by pair were not whole and are computed again; the mesh"
+                         : "what was computed";
+  fmt::print(stderr, "hemiray: {} is in {}; --resume {} goes on\n", what, keep.file, keep.file);
 }
 
 DisplayOptions to_display_options(const RadiosityArguments& a) { return {a.display == "smooth", a.crease}; }
@@ -219,9 +240,10 @@ std::string radiosity_table(const Radiosity& r) {
   return text;
 }
 
-std::string radiosity_json(const Radiosity& r) {
+std::string radiosity_json(const Radiosity& r, const std::vector<std::string>& notes) {
   const RadiosityStatistics& s = r.statistics;
   nlohmann::ordered_json json;
+  json["notes"] = notes;
   json["patches"] = r.mesh.patch_count();
   json["edge_m"] = r.mesh.edge_m;
   json["chord_m"] = r.mesh.chord_m;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/radiosity/radiosity.hpp"
+#include "host/scene/scene.hpp"
 
 namespace hemiray::app {
 
@@ -28,13 +29,16 @@ void add_radiosity_options(CLI::App& command, RadiosityArguments& arguments);
 /// Throws InputError for values out of range, and for a file to save in that is there, cannot be written or is one of
 /// `others`, which are read or written, too.
 RadiosityOptions to_radiosity_options(const RadiosityArguments& arguments, const std::vector<std::string>& others = {});
+/// What of a scene radiosity leaves out, and a method without it: a line each.
+std::vector<std::string> left_out_by_radiosity(const Scene& scene);
+std::vector<std::string> left_out_without_radiosity(const Scene& scene);
 /// Says on stderr, after an interrupt, where what was computed is.
-void tell_kept(const RadiosityOptions& options);
+void tell_kept(const KeepOptions& keep, const RadiosityStatistics& statistics);
 DisplayOptions to_display_options(const RadiosityArguments& arguments);
 
 /// A few lines: mesh, form factors, solution, times.
 std::string radiosity_table(const Radiosity& radiosity);
-/// The same as a JSON object, with the convergence history.
-std::string radiosity_json(const Radiosity& radiosity);
+/// The same as a JSON object, with the convergence history and these notes.
+std::string radiosity_json(const Radiosity& radiosity, const std::vector<std::string>& notes);
 
 }  // namespace hemiray::app

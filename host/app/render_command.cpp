@@ -210,7 +210,7 @@ LitScene solve_light(const RenderArguments& given, const Scene& scene, const Dev
   Context context(device);
   LitScene lit;
   lit.radiosity = compute_radiosity(context, flatten_scene(scene), options);
-  if (interrupt.interrupted()) tell_kept(options);
+  if (interrupt.interrupted()) tell_kept(options.keep, lit.radiosity.statistics);
   lit.patches = lit_patches(lit.radiosity.mesh, lit.radiosity.irradiance, to_display_options(given.radiosity));
   return lit;
 }
@@ -220,8 +220,12 @@ int run_render(const RenderArguments& given) {
   check_outputs(given);
   if (!given.dump_kernels.empty()) setenv("HEMIRAY_DUMP_KERNELS", given.dump_kernels.c_str(), 1);
   const double load_start = seconds_since_process_start();
-  const Scene scene = load_scene(given.scene);
+  Scene scene = load_scene(given.scene);
   const double loaded = seconds_since_process_start();
+  const bool by_radiosity = given.method == "radiosity";
+  for (const std::string& note : by_radiosity ? left_out_by_radiosity(scene) : left_out_without_radiosity(scene)) {
+    scene.notes.push_back(note);
+  }
   if (!given.quiet) {
     for (const std::string& note : scene.notes) fmt::print(stderr, "hemiray: note: {}\n", note);
   }
@@ -231,10 +235,10 @@ int run_render(const RenderArguments& given) {
 
   const InterruptGuard interrupt;
   LitScene lit;
-  if (given.method == "radiosity") {
+  if (by_radiosity) {
     lit = solve_light(given, scene, devices.front(), interrupt);
     options.patches = &lit.patches;
-    facts.radiosity = radiosity_json(lit.radiosity);
+    facts.radiosity = radiosity_json(lit.radiosity, scene.notes);
     if (!given.quiet && !given.json) std::fputs(radiosity_table(lit.radiosity).c_str(), stdout);
   }
   Progress progress("render", !given.quiet);

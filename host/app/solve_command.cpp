@@ -40,7 +40,8 @@ int run_solve(const SolveArguments& given) {
     throw InputError("--output", fmt::format("'{}' does not end in .glb", given.output));
   }
   check_writable(given.output);
-  const Scene scene = load_scene(given.scene);
+  Scene scene = load_scene(given.scene);
+  for (const std::string& note : left_out_by_radiosity(scene)) scene.notes.push_back(note);
   if (!given.quiet) {
     for (const std::string& note : scene.notes) fmt::print(stderr, "hemiray: note: {}\n", note);
   }
@@ -58,14 +59,14 @@ int run_solve(const SolveArguments& given) {
   write_file_atomically(given.output, solution_as_glb(radiosity.mesh, radiosity.irradiance,
                                                       to_display_options(given.radiosity), given.exposure, facts));
   if (given.json) {
-    std::fputs(radiosity_json(radiosity).c_str(), stdout);
+    std::fputs(radiosity_json(radiosity, scene.notes).c_str(), stdout);
   } else if (!given.quiet) {
     std::fputs(radiosity_table(radiosity).c_str(), stdout);
     fmt::print("wrote         {} (radiosities times {:.4g})\n", given.output, facts.exposure);
   }
   if (!interrupt.interrupted()) return static_cast<int>(ExitCode::ok);
   fmt::print(stderr, "hemiray: interrupted; wrote {} as far as it got\n", given.output);
-  tell_kept(options);
+  tell_kept(options.keep, radiosity.statistics);
   return static_cast<int>(ExitCode::interrupted);
 }
 

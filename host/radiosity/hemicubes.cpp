@@ -178,7 +178,11 @@ void Hemicubes::add_rows_reached_from(std::span<const std::uint32_t> sources, Fa
     }
     const std::vector<std::uint32_t> reached = reached_.read();
     for (std::uint32_t side = 0; side < mesh_->side_count(); side++) {
-      if (reached[side] != 0) wanted[mesh_->faces[side / 2]][side % 2] = true;
+      if (reached[side] == 0) continue;
+      wanted[mesh_->faces[side / 2]][side % 2] = true;
+      // What arrives on this side leaves the other one, too.
+      const shared::float4& tau = mesh_->transmittance[side ^ 1U];
+      if (tau.x > 0.0F || tau.y > 0.0F || tau.z > 0.0F) wanted[mesh_->faces[side / 2]][1 - side % 2] = true;
     }
   }
 }

@@ -36,9 +36,9 @@ class Hemicubes {
   void add_rows(std::span<const std::uint32_t> sides, FactorMatrix& matrix,
                 const std::function<bool(std::uint64_t)>& on_batch = {});
 
-  /// Rows of all sides that light from `sources` can reach: those that emit, what they see, what that sees. A face is
-  /// taken whole, so that no patch of it stays out for being missed by every ray. `on_progress` gets rows done and
-  /// known to be wanted, those among them; returning false ends it early.
+  /// Rows of all sides that light from `sources` can reach: those that emit, what they see, what that sees, and the
+  /// other side where that is translucent. A face is taken whole, so that no patch of it stays out for being missed by
+  /// every ray. `on_progress` gets rows done and known to be wanted, those among them; returning false ends it early.
   FactorMatrix rows_reached_from(std::span<const std::uint32_t> sources,
                                  const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress = {});
 

@@ -152,9 +152,10 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   std::vector<std::uint32_t> sources;
   const std::vector<shared::float4> own_emission = mesh.emission;
   for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
-    const shared::float4 rho = mesh.reflectance[s];
+    const shared::float4 rho = mesh.reflectance[s], tau = mesh.transmittance[s], d = direct[s], other = direct[s ^ 1U];
     shared::float4& e = mesh.emission[s];
-    e = {e.x + rho.x * direct[s].x, e.y + rho.y * direct[s].y, e.z + rho.z * direct[s].z, e.w};
+    e = {e.x + rho.x * d.x + tau.x * other.x, e.y + rho.y * d.y + tau.y * other.y, e.z + rho.z * d.z + tau.z * other.z,
+         e.w};
     if (e.x > 0.0F || e.y > 0.0F || e.z > 0.0F) sources.push_back(s);
   }
   context.finish();
@@ -194,12 +195,13 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   result.irradiance = result.solution.irradiance;
   for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
     const auto area = static_cast<double>(mesh.normals[s / 2].w);
-    const std::array<double, 3> rho = rgb(mesh.reflectance[s]), e = rgb(own_emission[s]), d = rgb(direct[s]);
+    const std::array<double, 3> rho = rgb(mesh.reflectance[s]), tau = rgb(mesh.transmittance[s ^ 1U]),
+                                e = rgb(own_emission[s]), d = rgb(direct[s]);
     const bool is_lit = std::ranges::any_of(result.solution.irradiance[s], [](double h) { return h > 0.0; });
     for (std::size_t c = 0; c < 3; c++) {
       result.irradiance[s][c] += d[c];
       statistics.emitted_w += area * (e[c] + d[c]);
-      statistics.absorbed_w += area * (1.0 - rho[c]) * result.irradiance[s][c];
+      statistics.absorbed_w += area * (1.0 - rho[c] - tau[c]) * result.irradiance[s][c];
       if (is_lit) result.irradiance[s][c] += result.solution.ambient[c];
     }
   }
