@@ -8,14 +8,16 @@
 #include <vector>
 
 #include "host/radiosity/radiosity.hpp"
+#include "host/scene/scene.hpp"
 
 namespace hemiray::app {
 
 struct RadiosityArguments {
   std::uint32_t patches = 4000, resolution = 0, points = 1, iterations = 10000, seed = 0, shots = 16,
                 residual_samples = 4096, pair_rays = 256;
-  double edge = 0.0, chord = 0.0, tolerance = 1e-4, seconds = 0.0, crease = 20.0, factor_mib = 0.0;
-  std::string form_factors = "hybrid", solver = "auto", pick = "power", display = "smooth", cells = "turned";
+  double keep_every = 30.0, edge = 0.0, chord = 0.0, tolerance = 1e-4, seconds = 0.0, crease = 20.0, factor_mib = 0.0;
+  std::string form_factors = "hybrid", solver = "auto", pick = "power", display = "smooth", cells = "turned", save,
+              resume;
   std::vector<CLI::Option*> given;  ///< all of them: to tell whether one was used
 };
 
@@ -24,13 +26,19 @@ void add_mesh_options(CLI::App& command, RadiosityArguments& arguments);
 /// These, and those of solution and display.
 void add_radiosity_options(CLI::App& command, RadiosityArguments& arguments);
 
-/// Throws InputError for values out of range.
-RadiosityOptions to_radiosity_options(const RadiosityArguments& arguments);
+/// Throws InputError for values out of range, and for a file to save in that is there, cannot be written or is one of
+/// `others`, which are read or written, too.
+RadiosityOptions to_radiosity_options(const RadiosityArguments& arguments, const std::vector<std::string>& others = {});
+/// What of a scene radiosity leaves out, and a method without it: a line each.
+std::vector<std::string> left_out_by_radiosity(const Scene& scene);
+std::vector<std::string> left_out_without_radiosity(const Scene& scene);
+/// Says on stderr, after an interrupt, where what was computed is.
+void tell_kept(const KeepOptions& keep, const RadiosityStatistics& statistics);
 DisplayOptions to_display_options(const RadiosityArguments& arguments);
 
 /// A few lines: mesh, form factors, solution, times.
 std::string radiosity_table(const Radiosity& radiosity);
-/// The same as a JSON object, with the convergence history.
-std::string radiosity_json(const Radiosity& radiosity);
+/// The same as a JSON object, with the convergence history and these notes.
+std::string radiosity_json(const Radiosity& radiosity, const std::vector<std::string>& notes);
 
 }  // namespace hemiray::app

@@ -35,6 +35,8 @@ constexpr const char* kExamples = R"(Examples:
   hemiray render scene.obj -o out.exr --device gpu --trace trace.json
   hemiray render model.ply -o out.exr --accel octree --triangle fast
   hemiray render scenes/cornell_box.json -o cornell.exr --method radiosity --patches 10000
+  hemiray render room.json -o a.exr --method radiosity --save room.solution      solves, and keeps what is computed
+  hemiray render room.json -o b.exr --method radiosity --resume room.solution    goes on, or shows it, from elsewhere, too
   hemiray render scene.gltf -o out.exr --device all      every device, tiles by what each delivers
   hemiray render scene.gltf -o out.exr --device cpu,1    these two
   hemiray render scene.gltf -o out.exr --device split:2  one device as two sub-devices
@@ -198,7 +200,7 @@ struct LitScene {
 
 LitScene solve_light(const RenderArguments& given, const Scene& scene, const DeviceInfo& device,
                      const InterruptGuard& interrupt) {
-  RadiosityOptions options = to_radiosity_options(given.radiosity);
+  RadiosityOptions options = to_radiosity_options(given.radiosity, {given.scene, given.output, given.png, given.trace});
   options.factors.hemicube.seed = options.factors.visibility.seed = given.seed;
   Progress progress("form factors", !given.quiet);
   options.on_progress = [&](const std::string&, double fraction) {
@@ -209,6 +211,7 @@ LitScene solve_light(const RenderArguments& given, const Scene& scene, const Dev
   Context context(device);
   LitScene lit;
   lit.radiosity = compute_radiosity(context, flatten_scene(scene), options);
+  if (interrupt.interrupted()) tell_kept(options.keep, lit.radiosity.statistics);
   lit.patches = lit_patches(lit.radiosity.mesh, lit.radiosity.irradiance, to_display_options(given.radiosity));
   return lit;
 }
@@ -218,8 +221,12 @@ int run_render(const RenderArguments& given) {
   check_outputs(given);
   if (!given.dump_kernels.empty()) setenv("HEMIRAY_DUMP_KERNELS", given.dump_kernels.c_str(), 1);
   const double load_start = seconds_since_process_start();
-  const Scene scene = load_scene(given.scene);
+  Scene scene = load_scene(given.scene);
   const double loaded = seconds_since_process_start();
+  const bool by_radiosity = given.method == "radiosity";
+  for (const std::string& note : by_radiosity ? left_out_by_radiosity(scene) : left_out_without_radiosity(scene)) {
+    scene.notes.push_back(note);
+  }
   if (!given.quiet) {
     for (const std::string& note : scene.notes) fmt::print(stderr, "hemiray: note: {}\n", note);
   }
@@ -229,10 +236,10 @@ int run_render(const RenderArguments& given) {
 
   const InterruptGuard interrupt;
   LitScene lit;
-  if (given.method == "radiosity") {
+  if (by_radiosity) {
     lit = solve_light(given, scene, devices.front(), interrupt);
     options.patches = &lit.patches;
-    facts.radiosity = radiosity_json(lit.radiosity);
+    facts.radiosity = radiosity_json(lit.radiosity, scene.notes);
     if (!given.quiet && !given.json) std::fputs(radiosity_table(lit.radiosity).c_str(), stdout);
   }
   Progress progress("render", !given.quiet);

@@ -20,8 +20,8 @@ std::vector<std::array<float, 3>> corner_irradiance(const PatchMesh& mesh,
                                                     const std::vector<std::array<double, 3>>& irradiance,
                                                     const DisplayOptions& options);
 
-/// The mesh with that irradiance in patch_light, and no light: what a surface sends is emission + kd H / pi, with its
-/// textures, mirrors and glass on top.
+/// The mesh with that irradiance in patch_light, and no light: what a surface sends is emission + kd H / pi +
+/// translucency H' / pi, H' on its other side, with its textures, mirrors and glass on top.
 FlatScene lit_patches(const PatchMesh& mesh, const std::vector<std::array<double, 3>>& irradiance,
                       const DisplayOptions& options = {});
 

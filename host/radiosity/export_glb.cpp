@@ -33,8 +33,11 @@ struct Corners {
   std::vector<std::array<float, 3>> positions, normals, radiosity, colors;
 };
 
-bool is_lit(const std::array<double, 3>& h, const shared::float4& e) {
-  return h[0] + h[1] + h[2] > 0.0 || e.x + e.y + e.z > 0.0F;
+bool is_lit(const PatchMesh& mesh, const std::vector<std::array<double, 3>>& irradiance, std::uint32_t side) {
+  const auto &h = irradiance[side], &other = irradiance[side ^ 1U];
+  const shared::float4 &e = mesh.emission[side], &tau = mesh.transmittance[side];
+  return h[0] + h[1] + h[2] > 0.0 || e.x + e.y + e.z > 0.0F ||
+         (tau.x + tau.y + tau.z > 0.0F && other[0] + other[1] + other[2] > 0.0);
 }
 
 Vec3 emission_of(const PatchMesh& mesh, std::uint32_t side) {
@@ -47,20 +50,21 @@ Corners corners_of(const PatchMesh& mesh, const std::vector<std::array<double, 3
   const std::vector<std::array<float, 3>> light = corner_irradiance(mesh, irradiance, options);
   Corners corners;
   for (std::uint32_t side = 0; side < mesh.side_count(); side++) {
-    if (!is_lit(irradiance[side], mesh.emission[side])) continue;
+    if (!is_lit(mesh, irradiance, side)) continue;
     const shared::uint4& t = mesh.flat.triangles[side / 2];
     const std::array<std::uint32_t, 3> vertices = {t.x, t.y, t.z};
     const shared::float4& n = mesh.normals[side / 2];
     const float sign = side % 2 == 0 ? 1.0F : -1.0F;
-    const shared::float4& rho = mesh.reflectance[side];
+    const shared::float4 &rho = mesh.reflectance[side], &tau = mesh.transmittance[side];
     const Vec3 e = emission_of(mesh, side);
     for (std::size_t i = 0; i < 3; i++) {
       const std::size_t corner = side % 2 == 0 ? i : 2 - i;
       const float* p = &mesh.flat.positions[std::size_t{3} * vertices[corner]];
       corners.positions.push_back({p[0], p[1], p[2]});
       corners.normals.push_back({sign * n.x, sign * n.y, sign * n.z});
-      const auto& h = light[std::size_t{3} * side + corner];
-      corners.radiosity.push_back({e.x + rho.x * h[0], e.y + rho.y * h[1], e.z + rho.z * h[2]});
+      const auto &h = light[std::size_t{3} * side + corner], &other = light[std::size_t{3} * (side ^ 1U) + corner];
+      corners.radiosity.push_back({e.x + rho.x * h[0] + tau.x * other[0], e.y + rho.y * h[1] + tau.y * other[1],
+                                   e.z + rho.z * h[2] + tau.z * other[2]});
     }
   }
   return corners;

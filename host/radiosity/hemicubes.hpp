@@ -36,11 +36,16 @@ class Hemicubes {
   void add_rows(std::span<const std::uint32_t> sides, FactorMatrix& matrix,
                 const std::function<bool(std::uint64_t)>& on_batch = {});
 
-  /// Rows of all sides that light from `sources` can reach: those that emit, what they see, what that sees. A face is
-  /// taken whole, so that no patch of it stays out for being missed by every ray. `on_progress` gets rows done and
-  /// known to be wanted, those among them; returning false ends it early.
+  /// Rows of all sides that light from `sources` can reach: those that emit, what they see, what that sees, and the
+  /// other side where that is translucent. A face is taken whole, so that no patch of it stays out for being missed by
+  /// every ray. `on_progress` gets rows done and known to be wanted, those among them; returning false ends it early.
   FactorMatrix rows_reached_from(std::span<const std::uint32_t> sources,
                                  const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress = {});
+
+  /// The same as further blocks of `matrix`, whose blocks, if it has any, are the first that this would make. Throws
+  /// InputError where they are not.
+  void add_rows_reached_from(std::span<const std::uint32_t> sources, FactorMatrix& matrix,
+                             const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress = {});
 
   [[nodiscard]] std::uint64_t rays_traced() const { return rays_; }
   [[nodiscard]] std::uint64_t rows_made() const { return rows_made_; }
@@ -51,6 +56,7 @@ class Hemicubes {
  private:
   [[nodiscard]] std::uint64_t cells() const;
   [[nodiscard]] std::uint32_t rows_a_batch() const;
+  void take_rows(std::span<const std::uint32_t> sides, const FactorBlock& block);
 
   Context* context_;
   Parallel* parallel_;

@@ -99,7 +99,8 @@ Reflectance mean_over(const FlatScene& flat, const shared::Material& m, const sh
 void read_patch_materials(const FlatScene& flat, PatchMesh& mesh) {
   for (std::uint32_t i = 0; i < mesh.patch_count(); i++) {
     const shared::uint4& t = mesh.flat.triangles[i];
-    const Reflectance mean = mean_over(mesh.flat, flat.materials[t.w], t);
+    const shared::Material& m = flat.materials[t.w];
+    const Reflectance mean = mean_over(mesh.flat, m, t);
     const float most = std::max({mean.kd.x, mean.kd.y, mean.kd.z});
     if (!(most < 1.0F)) {
       throw InputError("radiosity", fmt::format("patch {} of object {} reflects {} of the light; below 1 is solvable",
@@ -108,7 +109,7 @@ void read_patch_materials(const FlatScene& flat, PatchMesh& mesh) {
     const Vec3 e = mean.emission * static_cast<float>(std::numbers::pi);
     for (const bool front : {true, false}) {
       mesh.reflectance.push_back({mean.kd.x, mean.kd.y, mean.kd.z, most});
-      mesh.transmittance.push_back({0.0F, 0.0F, 0.0F, 0.0F});
+      mesh.transmittance.push_back({m.translucency_r, m.translucency_g, m.translucency_b, 0.0F});
       mesh.emission.push_back(front ? shared::float4{e.x, e.y, e.z, 1.0F} : shared::float4{0.0F, 0.0F, 0.0F, 1.0F});
     }
   }

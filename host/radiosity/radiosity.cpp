@@ -10,6 +10,7 @@
 #include "host/base/numbers.hpp"
 #include "host/bvh/ray_queries.hpp"
 #include "host/radiosity/factor_memory.hpp"
+#include "host/radiosity/solution_key.hpp"
 #include "host/scene/features.hpp"
 
 namespace hemiray {
@@ -60,17 +61,18 @@ std::array<double, 3> rgb(const shared::float4& v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
 }
 
-// All rows that light reaches; or none, where they would take more than their memory.
+// All rows that light reaches, those that `matrix` has first; or none, where they would take more than their memory.
 FactorMatrix stored_factors(Context& context, Hemicubes& hemicubes, const PatchMesh& mesh,
                             const std::vector<std::uint32_t>& sources, const RadiosityOptions& options,
-                            RadiosityStatistics& statistics) {
+                            FactorMatrix matrix, SolutionFile& file, RadiosityStatistics& statistics) {
   statistics.factor_bytes_at_most = most_factor_bytes(mesh, options.factors.hemicube);
-  FactorMatrix matrix = hemicubes.rows_reached_from(sources, [&](std::uint64_t done, std::uint64_t known) {
+  hemicubes.add_rows_reached_from(sources, matrix, [&](std::uint64_t done, std::uint64_t known) {
     statistics.expected_factor_bytes = expected_factor_bytes(hemicubes.entries_made(), done, known);
     if (statistics.expected_factor_bytes > statistics.factor_limit) return false;
     const bool go_on = !options.on_progress ||
                        options.on_progress("form factors", static_cast<double>(done) / static_cast<double>(known));
     statistics.interrupted |= !go_on;
+    file.offer(!go_on, FactorStage::some, statistics.expected_factor_bytes, matrix, {});
     return go_on;
   });
   context.finish();  // before rows go
@@ -136,6 +138,9 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   };
   result.mesh = make_patch_mesh(flat, options.mesh);
   PatchMesh& mesh = result.mesh;
+  SolutionFile file(context, options.keep, solution_key(context, flat, options), mesh);
+  SolutionState kept = file.take_state();
+  statistics.kept_rows = kept.factors.rows();
   statistics.mesh_ms = lap();
 
   statistics.factor_limit = options.factor_bytes > 0 ? options.factor_bytes : factor_memory_limit(context);
@@ -147,17 +152,20 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   std::vector<std::uint32_t> sources;
   const std::vector<shared::float4> own_emission = mesh.emission;
   for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
-    const shared::float4 rho = mesh.reflectance[s];
+    const shared::float4 rho = mesh.reflectance[s], tau = mesh.transmittance[s], d = direct[s], other = direct[s ^ 1U];
     shared::float4& e = mesh.emission[s];
-    e = {e.x + rho.x * direct[s].x, e.y + rho.y * direct[s].y, e.z + rho.z * direct[s].z, e.w};
+    e = {e.x + rho.x * d.x + tau.x * other.x, e.y + rho.y * d.y + tau.y * other.y, e.z + rho.z * d.z + tau.z * other.z,
+         e.w};
     if (e.x > 0.0F || e.y > 0.0F || e.z > 0.0F) sources.push_back(s);
   }
   context.finish();
   statistics.tree_ms = lap();
 
+  statistics.expected_factor_bytes = kept.expected_factor_bytes;
   const FactorMatrix matrix =
-      factors.method == FormFactors::hemicube
-          ? stored_factors(context, hemicubes, mesh, sources, options, statistics)
+      kept.stage != FactorStage::some ? std::move(kept.factors)
+      : factors.method == FormFactors::hemicube
+          ? stored_factors(context, hemicubes, mesh, sources, options, std::move(kept.factors), file, statistics)
           : paired_factors(context, parallel, hemicubes, mesh, sources, factors, options, statistics);
   const bool on_demand = statistics.expected_factor_bytes > statistics.factor_limit;
   context.finish();
@@ -166,25 +174,34 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   statistics.entries = matrix.entries();
   statistics.rows = matrix.rows();
 
+  SolveOptions solve = options.solve;
+  solve.continue_from = std::move(kept.solver);
+  if (!statistics.interrupted) {  // else rows are missing
+    solve.offer_state = [&](bool must, const std::function<std::vector<std::uint8_t>()>& state) {
+      file.offer(must, on_demand ? FactorStage::on_demand : FactorStage::all, statistics.expected_factor_bytes, matrix,
+                 state);
+    };
+  }
   if (on_demand) {
     const std::uint64_t rows = hemicubes.rows_made(), entries = hemicubes.entries_made();
-    result.solution = solve_on_demand(context, hemicubes, mesh, options.solve);
+    result.solution = solve_on_demand(context, hemicubes, mesh, solve);
     statistics.rows = hemicubes.rows_made() - rows;
     statistics.entries = hemicubes.entries_made() - entries;
   } else {
-    result.solution = solve_radiosity(context, mesh, matrix, options.solve);
+    result.solution = solve_radiosity(context, mesh, matrix, solve);
   }
   statistics.rays = hemicubes.rays_traced() + statistics.factors.pair_rays + statistics.factors.sample_rays;
   statistics.solve_ms = lap();
   result.irradiance = result.solution.irradiance;
   for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
     const auto area = static_cast<double>(mesh.normals[s / 2].w);
-    const std::array<double, 3> rho = rgb(mesh.reflectance[s]), e = rgb(own_emission[s]), d = rgb(direct[s]);
+    const std::array<double, 3> rho = rgb(mesh.reflectance[s]), tau = rgb(mesh.transmittance[s ^ 1U]),
+                                e = rgb(own_emission[s]), d = rgb(direct[s]);
     const bool is_lit = std::ranges::any_of(result.solution.irradiance[s], [](double h) { return h > 0.0; });
     for (std::size_t c = 0; c < 3; c++) {
       result.irradiance[s][c] += d[c];
       statistics.emitted_w += area * (e[c] + d[c]);
-      statistics.absorbed_w += area * (1.0 - rho[c]) * result.irradiance[s][c];
+      statistics.absorbed_w += area * (1.0 - rho[c] - tau[c]) * result.irradiance[s][c];
       if (is_lit) result.irradiance[s][c] += result.solution.ambient[c];
     }
   }

@@ -25,6 +25,9 @@ shared::Material flatten_material(const Material& m) {
   flat.kr = to_float4(m.kr, m.metallic);
   flat.kt = to_float4(m.kt, m.normal_scale);
   flat.emission = to_float4(m.emission, 0.0F);
+  flat.translucency_r = m.translucency.r;
+  flat.translucency_g = m.translucency.g;
+  flat.translucency_b = m.translucency.b;
   flat.kd_texture = texture_or_none(m.kd_texture);
   flat.metallic_roughness_texture = texture_or_none(m.metallic_roughness_texture);
   flat.emission_texture = texture_or_none(m.emission_texture);

@@ -78,7 +78,8 @@ void read_metallic_roughness(const JsonNode& node, JsonBuild& build, Material& m
 
 void read_phong(const JsonNode& node, JsonBuild& build, Material& material) {
   // Glass, mirrors and lamps are rarely meant to be grey as well.
-  const bool specular_or_lamp = node.find("kr") || node.find("kt") || node.find("emission");
+  const bool specular_or_lamp =
+      node.find("kr") || node.find("kt") || node.find("translucency") || node.find("emission");
   material.kd = Vec3(node.find("kd_texture") ? 1.0F : (specular_or_lamp ? 0.0F : 0.5F));
   if (const auto kd = node.find("kd")) material.kd = read_color(*kd, 1.0);
   if (const auto ks = node.find("ks")) material.ks = read_color(*ks, 1.0);
@@ -105,6 +106,13 @@ Material read_material(const JsonNode& node, JsonBuild& build) {
   if (const auto ka = node.find("ka")) material.ka = read_color(*ka, 1.0);
   if (const auto kr = node.find("kr")) material.kr = read_color(*kr, 1.0);
   if (const auto kt = node.find("kt")) material.kt = read_color(*kt, 1.0);
+  if (const auto tau = node.find("translucency")) {
+    material.translucency = read_color(*tau, 1.0);
+    const Vec3 sum = material.kd + material.translucency;
+    if (!(std::max({sum.r, sum.g, sum.b}) < 1.0F)) {
+      tau->fail("kd and translucency must be below 1 together, in every colour");
+    }
+  }
   if (const auto ior = node.find("ior")) material.ior = static_cast<float>(read_positive(*ior, 100.0));
   if (const auto fresnel = node.find("fresnel")) material.fresnel = read_bool(*fresnel);
   // Fresnel splits the light between kr and kt: what is not transmitted is reflected unless the scene says otherwise.
@@ -129,12 +137,14 @@ void note_energy(Scene& scene, const Material& material) {
   if (scene.shading != Shading::physical) return;
   const bool split = transmits(material) && material.fresnel;
   const Vec3 mirrored = split ? glm::max(material.kr, material.kt) : material.kr + material.kt;
-  const Vec3 sum = (material.metallic_roughness ? Vec3(0.0F) : material.kd + material.ks) + mirrored;
+  const Vec3 sum =
+      (material.metallic_roughness ? Vec3(0.0F) : material.kd + material.ks) + material.translucency + mirrored;
   const float largest = std::max({sum.r, sum.g, sum.b});
   if (largest > 1.0F + kEnergySlack) {
-    scene.notes.push_back(fmt::format("material {} sends out up to {:.3g} times the light that arrives (kd + ks + {})",
-                                      in_quotes(material.name), largest,
-                                      split ? "the larger of kr and kt" : "kr + kt"));
+    scene.notes.push_back(
+        fmt::format("material {} sends out up to {:.3g} times the light that arrives (kd + ks{} + {})",
+                    in_quotes(material.name), largest, material.translucency != Vec3(0.0F) ? " + translucency" : "",
+                    split ? "the larger of kr and kt" : "kr + kt"));
   }
 }
 

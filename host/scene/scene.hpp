@@ -46,6 +46,8 @@ struct Material {
   Vec3 kt{0.0F};            ///< transmission weight
   float ior = 1.5F;         ///< index of refraction on the inside (back) of the surface, > 0
   bool fresnel = true;      ///< where kt > 0: kr is multiplied by R, kt by 1 - R
+  Vec3 translucency{0.0F};  ///< diffuse transmission: share of what arrives on one side that leaves the other one,
+                            ///< scattered; kd + translucency < 1
   Vec3 emission{0.0F};      ///< radiance leaving the front [W/m^2/sr]
   bool metallic_roughness = false;
   float metallic = 0.0F;

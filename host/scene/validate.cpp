@@ -83,9 +83,11 @@ class Validator {
   }
 
   void material(const Material& m, const std::string& where) const {
-    for (const Vec3& weight : {m.kd, m.ka.value_or(Vec3(0.0F)), m.ks, m.kr, m.kt}) {
+    for (const Vec3& weight : {m.kd, m.ka.value_or(Vec3(0.0F)), m.ks, m.kr, m.kt, m.translucency}) {
       require(radiance(weight), where, "a reflectance is negative or not finite");
     }
+    require(m.translucency == Vec3(0.0F) || glm::all(glm::lessThan(m.kd + m.translucency, Vec3(1.0F))),
+            where + "/translucency", "must be below 1 together with kd");
     require(radiance(m.emission), where + "/emission", "must be finite and not negative");
     require(between(m.shininess, 0.0, kMaxRadiance), where + "/shininess", "must be finite and not negative");
     require(m.ior > 0.0F && std::isfinite(m.ior), where + "/ior", "must be positive and finite");

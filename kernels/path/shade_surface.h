@@ -15,13 +15,20 @@ static inline void write_aovs(const PathContext* context, const PathState* s, co
       (float4)((float)surface->kd.x, (float)surface->kd.y, (float)surface->kd.z, (float)(surface->object + 1));
 }
 
-// What a patch reflects of the light that a radiosity solution says comes to the hit's side of it: Lambert's law.
+// What a radiosity solution says comes to one side of a patch.
+static inline real3 patch_irradiance(const SceneView* view, const Hit* hit, bool front) {
+  global const float4* corner = view->patch_light + 6 * hit->primitive + (front ? 0 : 3);
+  return param3(corner[0]) * (1 - hit->u - hit->v) + param3(corner[1]) * hit->u + param3(corner[2]) * hit->v;
+}
+
+// What a patch reflects of the light on the hit's side of it, and passes of that on the other: Lambert's law.
 static inline real3 diffuse_light(const SceneView* view, const Hit* hit, const Surface* surface) {
   if (!(hit->primitive < view->triangle_count)) return (real3)(0);
-  global const float4* corner = view->patch_light + 6 * hit->primitive + (surface->front ? 0 : 3);
-  const real3 irradiance =
-      param3(corner[0]) * (1 - hit->u - hit->v) + param3(corner[1]) * hit->u + param3(corner[2]) * hit->v;
-  return surface->kd * irradiance * REAL(0.3183098861837907);
+  const Material m = view->materials[surface->material];
+  const real3 tau = (real3)(m.translucency_r, m.translucency_g, m.translucency_b);
+  const real3 sent = surface->kd * patch_irradiance(view, hit, surface->front) +
+                     tau * patch_irradiance(view, hit, !surface->front);
+  return sent * REAL(0.3183098861837907);
 }
 
 static inline uint stage_shade_surface(const PathContext* context, PathState* s) {

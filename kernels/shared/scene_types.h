@@ -25,7 +25,7 @@ typedef struct Material {
   uint emission_texture;
   uint normal_texture;
   uint flags;
-  uint pad0, pad1, pad2;
+  float translucency_r, translucency_g, translucency_b;  // diffuse transmission
 } Material;
 
 #define HR_WRAP_REPEAT 0u

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -56,7 +57,8 @@ TEST_CASE("solve writes a glTF file that loads again, and tells how it converged
       run_program({"solve", kCornellBox, "-o", glb, "--patches", "500", "--resolution", "16", "--json"});
   INFO(result.err);
   REQUIRE(result.exit_code == 0);
-  CHECK(result.err.empty());
+  CHECK_THAT(result.err, Catch::Contains("ambient"));  // a note, and no other
+  CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
   const auto json = nlohmann::json::parse(result.out);
   CHECK(json["patches"].get<int>() <= 500);
   CHECK(json["converged"] == true);
@@ -130,4 +132,53 @@ TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and no
     CHECK_THAT(result.err, Catch::Contains(said));
     CHECK(listing(folder.path()).empty());
   }
+}
+
+TEST_CASE("render --method radiosity shows what a translucent wall passes; whitted says that it does not") {
+  // Two closed cubes; with these emissions all of the second one sends B' = 0.4 * 10 / 0.7, the wall's back among it
+  // (tests/radiosity/test_translucency.cpp has the equations).
+  const std::string text = R"({
+    "hemiray": 1, "ambient": 0.25,
+    "camera": { "position": [1.6, 0.5, 0.5], "look_at": [1, 0.4, 0.5], "fov": 100, "size": [12, 12] },
+    "materials": {
+      "first": { "kd": 0.5, "emission": 1.5915494 }, "second": { "kd": 0.5, "emission": 0.9094568 },
+      "paper": { "kd": 0.3, "translucency": 0.4, "emission": 1.5006036 } },
+    "objects": [
+      { "type": "quad", "material": "first", "corner": [0, 0, 0], "edge_u": [0, 1, 0], "edge_v": [0, 0, 1] },
+      { "type": "quad", "material": "first", "corner": [0, 0, 0], "edge_u": [0, 0, 1], "edge_v": [1, 0, 0] },
+      { "type": "quad", "material": "first", "corner": [0, 1, 0], "edge_u": [1, 0, 0], "edge_v": [0, 0, 1] },
+      { "type": "quad", "material": "first", "corner": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0] },
+      { "type": "quad", "material": "first", "corner": [0, 0, 1], "edge_u": [0, 1, 0], "edge_v": [1, 0, 0] },
+      { "type": "quad", "material": "second", "corner": [2, 0, 0], "edge_u": [0, 0, 1], "edge_v": [0, 1, 0] },
+      { "type": "quad", "material": "second", "corner": [1, 0, 0], "edge_u": [0, 0, 1], "edge_v": [1, 0, 0] },
+      { "type": "quad", "material": "second", "corner": [1, 1, 0], "edge_u": [1, 0, 0], "edge_v": [0, 0, 1] },
+      { "type": "quad", "material": "second", "corner": [1, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0] },
+      { "type": "quad", "material": "second", "corner": [1, 0, 1], "edge_u": [0, 1, 0], "edge_v": [1, 0, 0] },
+      { "type": "quad", "material": "paper", "corner": [1, 0, 0], "edge_u": [0, 0, 1], "edge_v": [0, 1, 0] } ] })";
+  const TempFolder folder;
+  const std::string scene = folder.write("rooms.json", text).string(), exr = (folder / "a.exr").string();
+  const ProgramResult lit = run_program({"render", scene, "-o", exr, "--method", "radiosity", "--patches", "200",
+                                         "--spp", "1", "--json", "--display", "flat"});
+  INFO(lit.err);
+  REQUIRE(lit.exit_code == 0);
+  const Image image = read_exr(exr);
+  constexpr float kExpected = 0.4F * 10.0F / 0.7F * 0.318309886F;
+  for (int y = 0; y < 12; y++) {
+    for (int x = 0; x < 12; x++) CHECK(std::abs(pixel(image, x, y)[1] - kExpected) < 1e-3F * kExpected);
+  }
+  CHECK_THAT(lit.err, Catch::Contains("leaves out the scene's ambient light of 0.25"));
+  CHECK_THAT(nlohmann::json::parse(lit.out)["radiosity"]["notes"].dump(), Catch::Contains("ambient light of 0.25"));
+  const ProgramResult solved =
+      run_program({"solve", scene, "-o", (folder / "a.glb").string(), "--patches", "200", "--json"});
+  REQUIRE(solved.exit_code == 0);
+  CHECK_THAT(solved.err, Catch::Contains("ambient light of 0.25"));
+  CHECK_THAT(nlohmann::json::parse(solved.out)["notes"].dump(), Catch::Contains("ambient light of 0.25"));
+  const ProgramResult whitted = run_program({"render", scene, "-o", exr, "--spp", "1"});
+  REQUIRE(whitted.exit_code == 0);
+  CHECK_THAT(whitted.err, Catch::Contains("translucency is left out") && !Catch::Contains("ambient"));
+  std::string bright = text;
+  bright.replace(bright.find("0.4, \"emission"), 3, "0.7");
+  const ProgramResult refused = run_program({"check", folder.write("bright.json", bright).string()});
+  CHECK(refused.exit_code == 2);
+  CHECK_THAT(refused.err, Catch::Contains("/materials/paper/translucency") && Catch::Contains("below 1"));
 }
