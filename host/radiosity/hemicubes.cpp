@@ -16,19 +16,29 @@
 namespace hemiray {
 namespace {
 
-constexpr std::uint32_t kTileWidth = 8;  // HR_TILE_WIDTH of radiosity/hemicube.cl
-constexpr std::uint32_t kTileCellsWithoutPackets = 64;
 constexpr std::uint32_t kPacketGroup = 16;
+constexpr std::uint32_t kPatchesACell = 40;                     // from which on packets are small
+constexpr std::uint32_t kGroupsWithoutPackets = 4;              // cells a work-item traces, in 16
 constexpr std::uint64_t kSumBytes = std::uint64_t{256} << 20U;  // for dense rows, at most
 constexpr std::uint32_t kMostRowsABatch = 4096;
 
-std::uint32_t tiles_of(std::uint32_t width, std::uint32_t height, std::uint32_t tile_height) {
-  return ((width + kTileWidth - 1) / kTileWidth) * ((height + tile_height - 1) / tile_height);
+std::uint32_t tiles_of(std::uint32_t width, std::uint32_t height, std::uint32_t groups) {
+  const std::uint32_t tile_width = groups == 1 ? 4 : 8;  // HR_TILE_WIDTH of radiosity/hemicube.cl
+  const std::uint32_t tile_height = groups * kPacketGroup / tile_width;
+  return ((width + tile_width - 1) / tile_width) * ((height + tile_height - 1) / tile_height);
 }
 
-ProgramOptions trace_options(const Context& context, const DeviceScene& scene, const Accel& accel) {
+// Rays of a packet in 16: where each cell shows many patches, neighbours have little in common.
+std::uint32_t packet_groups(const Context& context, const Accel& accel, const PatchMesh& mesh,
+                            const HemicubeOptions& options) {
+  if (!accel.config().has_packets()) return kGroupsWithoutPackets;
+  const std::uint64_t cells = std::uint64_t{3} * options.resolution * options.resolution;
+  return mesh.patch_count() > kPatchesACell * cells ? 1 : context.profile().packet_groups;
+}
+
+ProgramOptions trace_options(const DeviceScene& scene, const Accel& accel, std::uint32_t groups) {
   ProgramOptions options = accel.program_options(scene.features(), false);
-  options.defines += fmt::format(" -DHR_PACKET_GROUPS={}", context.profile().packet_groups);
+  options.defines += fmt::format(" -DHR_PACKET_GROUPS={}", groups);
   return options;
 }
 
@@ -58,6 +68,7 @@ Hemicubes::Hemicubes(Context& context, Parallel& parallel, AccelBuilder& builder
       options_(options),
       scene_(context, mesh.flat, HR_FEATURE_TRIANGLES),
       accel_(builder, scene_),
+      packet_groups_(packet_groups(context, accel_, mesh, options)),
       rows_(context, "factor rows", {"radiosity/rows.cl"}, {}),
       normals_(context, "patch normals", std::span(mesh.normals)),
       reached_(context, "sides reached", mesh.side_count()) {
@@ -66,7 +77,7 @@ Hemicubes::Hemicubes(Context& context, Parallel& parallel, AccelBuilder& builder
     raster_.emplace(context, mesh, options.resolution);
   } else {
     trace_.emplace(context, "hemicubes", std::vector<std::string>{"radiosity/hemicube.cl"},
-                   trace_options(context, scene_, accel_));
+                   trace_options(scene_, accel_, packet_groups_));
   }
   std::vector<std::uint32_t> delta;
   for (const double cell : hemicube_cells(options.resolution)) {
@@ -106,11 +117,8 @@ shared::HemicubeParams Hemicubes::params(std::size_t rows) const {
 }
 
 void Hemicubes::trace(const Buffer<std::uint32_t>& rows, const shared::HemicubeParams& cube) {
-  const std::uint32_t tile_height = accel_.config().has_packets()
-                                        ? kPacketGroup * context_->profile().packet_groups / kTileWidth
-                                        : kTileCellsWithoutPackets / kTileWidth;
   const std::uint32_t n = cube.resolution;
-  const std::uint32_t tiles = tiles_of(n, n, tile_height) + 4 * tiles_of(n, n / 2, tile_height);
+  const std::uint32_t tiles = tiles_of(n, n, packet_groups_) + 4 * tiles_of(n, n / 2, packet_groups_);
   const std::uint64_t cubes = std::uint64_t{cube.row_count} * cube.divisions * cube.divisions;
   launch(*context_, trace_->kernel("radiosity_trace_hemicubes"), cubes * tiles,
          arguments(scene_.shading_arguments(), accel_.tree_arguments(), arg("patch_normals", normals_),

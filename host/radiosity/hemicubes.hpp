@@ -74,6 +74,7 @@ class Hemicubes {
   HemicubeOptions options_;
   DeviceScene scene_;
   Accel accel_;
+  std::uint32_t packet_groups_;
   std::optional<HemicubeRaster> raster_;  ///< or
   std::optional<Program> trace_;
   Program rows_;

@@ -5,6 +5,7 @@
 #define HR_LIB_PACKET_H
 
 #include "lib/edge_function.h"
+#include "lib/packet_cone.h"
 #include "lib/packet_rays.h"
 #include "lib/traverse.h"
 
@@ -156,14 +157,22 @@ static inline bool intersect_packet_triangle(Packet* p, global const float* bloc
   return any;
 }
 
-static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block, bool* updated) {
-  for (uint lane = 0; lane < HR_L; lane++) {
-    const uint primitive = block_primitive(block, lane);
-    if (primitive >= view->triangle_count) continue;
-    if (intersect_packet_triangle(p, block, lane, (int)primitive)) *updated = true;
-  }
+static inline void intersect_packet_lane(const SceneView* view, Packet* p, global const float* block, uint lane,
+                                         bool* updated) {
+  const uint primitive = block_primitive(block, lane);
+  if (primitive < view->triangle_count && intersect_packet_triangle(p, block, lane, (int)primitive)) *updated = true;
 }
 
+static inline void intersect_packet_block(const SceneView* view, Packet* p, const PacketCone* cone,
+                                          global const float* block, bool* updated) {
+  if (cone->kz < 0) {
+    for (uint lane = 0; lane < HR_L; lane++) intersect_packet_lane(view, p, block, lane, updated);
+    return;
+  }
+  for (LaneSet rest = lanes_in_cone(cone, p->origin, block); rest; rest = without_first(rest)) {
+    intersect_packet_lane(view, p, block, first_lane(rest), updated);
+  }
+}
 #else
 
 static inline HR_FLOATL upper_bound(HR_FLOATL x, HR_FLOATL y, HR_FLOATL z, const float* least, const float* most) {
@@ -173,7 +182,8 @@ static inline HR_FLOATL upper_bound(HR_FLOATL x, HR_FLOATL y, HR_FLOATL z, const
 // With a common origin o the volumes are dot products of a direction with three vectors a triangle (Davidovič et al.
 // 2012, "3D Rasterization: A Bridge Between Rasterization and Ray Casting"); bounds over all directions discard most
 // triangles of a block at once.
-static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block, bool* updated) {
+static inline void intersect_packet_block(const SceneView* view, Packet* p, const PacketCone* cone,
+                                          global const float* block, bool* updated) {
   const float *least = p->least, *most = p->most;
   const HR_FLOATL ox = HR_ROW(0) - p->origin.x, oy = HR_ROW(1) - p->origin.y, oz = HR_ROW(2) - p->origin.z;
   const HR_FLOATL e1x = HR_ROW(3), e1y = HR_ROW(4), e1z = HR_ROW(5);
@@ -337,6 +347,7 @@ static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
     intersect_packet_planes(view, p);
     if (any) finish_hit_rays(p);
   }
+  const PacketCone cone = packet_cone(p);
   p->t_most = most_t(p);
   StackEntry stack[HR_TRAVERSAL_STACK];
   uint size = 0;
@@ -368,7 +379,7 @@ static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
       bool updated = false;
       if (HR_HAS(INSTANCES) && is_instance_leaf(at)) intersect_packet_instance(view, p, at, &updated);
       for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
-        if (HR_HAS(TRIANGLES)) intersect_packet_block(view, p, block, &updated);
+        if (HR_HAS(TRIANGLES)) intersect_packet_block(view, p, &cone, block, &updated);
         if (HR_HAS_ONE_BY_ONE) intersect_packet_others(view, p, block, &updated);
       }
       if (updated) {

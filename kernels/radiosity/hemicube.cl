@@ -8,8 +8,12 @@
 #define HR_LOCAL_SIZE 64
 #endif
 
-// Cells are traced in tiles, which are packets where the device has them.
+// Cells are traced in tiles, which are packets where the device has them: 4 x 4, 8 x 4 or 8 x 8.
+#if HR_PACKETS && HR_PACKET_GROUPS == 1
+#define HR_TILE_WIDTH 4u
+#else
 #define HR_TILE_WIDTH 8u
+#endif
 #if HR_PACKETS
 #define HR_TILE_HEIGHT (HR_PACKET_RAYS / HR_TILE_WIDTH)
 #else
