@@ -5,13 +5,14 @@
 #define HR_LIB_PACKET_H
 
 #include "lib/edge_function.h"
-#include "lib/packet_cone.h"
 #include "lib/packet_rays.h"
 #include "lib/traverse.h"
 
 // Blocks of one lane have no vectors to test: RayQueries traces their rays one by one.
 #define HR_PACKETS (HR_EXPLICIT_VECTORS && HR_W > 1 && HR_L > 1)
 #if HR_PACKETS
+
+#include "lib/packet_cone.h"
 
 // The bounds of a whole packet are widened by 8 ulps on both sides: a reciprocal, a difference and a product of error.
 #define HR_INTERVAL_NEAR 0.999999f
