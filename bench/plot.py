@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Draws what `hemiray bench --json FILE` or `hemiray stability --json FILE` wrote. Usage: plot.py FILE FOLDER
+"""Draws what `hemiray bench --json FILE`, `hemiray stability --json FILE` or `factor_growth --json FILE` wrote.
+Usage: plot.py FILE FOLDER
 
 Into FOLDER, each as .png and .svg: rates (Mrays/s of every tracer, a panel for each scene and size), builds (ms of every
 tree), and, where a scene was measured at several sizes, growth (both against the number of triangles). Of a ladder:
-tunnelling (share of rays that pass the next surface, against the gap to it)."""
+tunnelling (share of rays that pass the next surface, against the gap to it). Of form factors: factors (time and memory
+against the number of patches)."""
 import json
 import os
 import sys
@@ -136,6 +138,28 @@ def draw_tunnelling(cases, folder):
     save(figure, folder, "tunnelling")
 
 
+def draw_factors(runs, folder):
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4))
+    time, memory = axes
+    for method, tint in zip(unique(run["method"] for run in runs), (OURS, INVALID, THEIRS)):
+        of_method = sorted((run for run in runs if run["method"] == method), key=lambda run: run["patches"])
+        patches = [run["patches"] for run in of_method]
+        for axis, key, unit, style, label in (
+            (time, "factors_ms", 1e3, "-", "form factors"),
+            (time, "solve_ms", 1e3, ":", "solution"),
+            (memory, "factor_bytes", 2**30, "-", "used"),
+            (memory, "factor_bytes_predicted", 2**30, ":", "predicted, at most"),
+        ):
+            values = [run[key] / unit for run in of_method]
+            axis.loglog(patches, values, style, marker="o", markersize=3, color=tint, label=f"{method}: {label}")
+    for axis, unit in ((time, "s"), (memory, "GiB")):
+        axis.set_xlabel("patches")
+        axis.set_ylabel(unit)
+        axis.grid(True, which="major", linewidth=0.3)
+        axis.legend(fontsize=7)
+    save(figure, folder, "factors")
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
@@ -143,6 +167,8 @@ def main():
         report = json.load(file)
     if "cases" in report:
         draw_tunnelling(report["cases"], sys.argv[2])
+    elif "factors" in report:
+        draw_factors(report["factors"], sys.argv[2])
     elif report["scenes"]:
         draw_rates(report["scenes"], sys.argv[2])
         draw_builds(report["scenes"], sys.argv[2])

@@ -78,6 +78,7 @@ static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
     intersect_packet_planes(view, p);
     if (any) finish_hit_rays(p);
   }
+  const PacketCone cone = packet_cone(p);
   p->t_most = most_t(p);
   StackEntry stack[HR_TRAVERSAL_STACK];
   uint size = 0;
@@ -109,7 +110,7 @@ static inline void traverse_packet(const SceneView* view, Packet* p, bool any) {
       bool updated = false;
       if (HR_HAS(INSTANCES) && is_instance_leaf(at)) intersect_packet_instance(view, p, at, &updated);
       for (uint n = leaf & 15u; n > 0; n--, block += HR_BLOCK_ROWS * HR_L) {
-        if (HR_HAS(TRIANGLES)) intersect_packet_block(view, p, block, &updated);
+        if (HR_HAS(TRIANGLES)) intersect_packet_block(view, p, &cone, block, &updated);
         if (HR_HAS_ONE_BY_ONE) intersect_packet_others(view, p, block, &updated);
       }
       if (updated) {

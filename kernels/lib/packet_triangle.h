@@ -2,21 +2,12 @@
 #ifndef HR_LIB_PACKET_TRIANGLE_H
 #define HR_LIB_PACKET_TRIANGLE_H
 
+#include "lib/edge_function.h"
 #include "lib/packet_hits.h"
 
 #if HR_PACKETS
+#include "lib/packet_cone.h"
 #if HR_TRIANGLE_WATERTIGHT
-
-static inline int16 all_of_one_sign(float16 a, float16 b, float16 c) {
-  return (min(min(a, b), c) >= 0.0f) | (max(max(a, b), c) <= 0.0f);
-}
-
-// exact_edge_function() of intersect.h.
-static inline float16 exact_edge_function16(float16 px, float16 py, float16 qx, float16 qy) {
-#pragma OPENCL FP_CONTRACT OFF
-  const float16 a = px * qy, b = py * qx;
-  return (a - b) + (fma(px, qy, -a) - fma(py, qx, -b));
-}
 
 // t of group k, of the rays that meet the triangle as a thin one by thin_triangle_t(), ray by ray.
 static inline float16 thin_triangle_t16(const Packet* p, uint k, global const float* row, int16 thin, float16 one_end,
@@ -53,7 +44,7 @@ static inline bool intersect_triangle_along(Packet* p, global const float* row, 
     float16 wa = cx * by - cy * bx;
     float16 wb = ax * cy - ay * cx;
     float16 wc = bx * ay - by * ax;
-    int16 met = all_of_one_sign(wa, wb, wc);
+    int16 met = all_of_one_sign16(wa, wb, wc);
     if (!any_lane16(met)) continue;
     met &= p->axis[k] == kz;
     const int16 doubtful = met & ((wa == 0.0f) | (wb == 0.0f) | (wc == 0.0f));
@@ -61,7 +52,7 @@ static inline bool intersect_triangle_along(Packet* p, global const float* row, 
       wa = select(wa, exact_edge_function16(cx, cy, bx, by), doubtful);
       wb = select(wb, exact_edge_function16(ax, ay, cx, cy), doubtful);
       wc = select(wc, exact_edge_function16(bx, by, ax, ay), doubtful);
-      met &= all_of_one_sign(wa, wb, wc);
+      met &= all_of_one_sign16(wa, wb, wc);
     }
     float16 det = wa + wb + wc;
     met &= det != 0.0f;
@@ -95,11 +86,20 @@ static inline bool intersect_packet_triangle(Packet* p, global const float* bloc
   return any;
 }
 
-static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block, bool* updated) {
-  for (uint lane = 0; lane < HR_L; lane++) {
-    const uint primitive = block_primitive(block, lane);
-    if (primitive >= view->triangle_count) continue;
-    if (intersect_packet_triangle(p, block, lane, (int)primitive)) *updated = true;
+static inline void intersect_packet_lane(const SceneView* view, Packet* p, global const float* block, uint lane,
+                                         bool* updated) {
+  const uint primitive = block_primitive(block, lane);
+  if (primitive < view->triangle_count && intersect_packet_triangle(p, block, lane, (int)primitive)) *updated = true;
+}
+
+static inline void intersect_packet_block(const SceneView* view, Packet* p, const PacketCone* cone,
+                                          global const float* block, bool* updated) {
+  if (cone->kz < 0) {
+    for (uint lane = 0; lane < HR_L; lane++) intersect_packet_lane(view, p, block, lane, updated);
+    return;
+  }
+  for (LaneSet rest = lanes_in_cone(cone, p->origin, block); rest; rest = without_first(rest)) {
+    intersect_packet_lane(view, p, block, first_lane(rest), updated);
   }
 }
 
@@ -112,7 +112,8 @@ static inline HR_FLOATL upper_bound(HR_FLOATL x, HR_FLOATL y, HR_FLOATL z, const
 // With a common origin o the volumes are dot products of a direction with three vectors a triangle (Davidovič et al.
 // 2012, "3D Rasterization: A Bridge Between Rasterization and Ray Casting"); bounds over all directions discard most
 // triangles of a block at once.
-static inline void intersect_packet_block(const SceneView* view, Packet* p, global const float* block, bool* updated) {
+static inline void intersect_packet_block(const SceneView* view, Packet* p, const PacketCone* cone,
+                                          global const float* block, bool* updated) {
   const float *least = p->least, *most = p->most;
   const HR_FLOATL ox = HR_ROW(0) - p->origin.x, oy = HR_ROW(1) - p->origin.y, oz = HR_ROW(2) - p->origin.z;
   const HR_FLOATL e1x = HR_ROW(3), e1y = HR_ROW(4), e1z = HR_ROW(5);
