@@ -19,6 +19,7 @@ namespace hemiray::app {
 namespace {
 
 constexpr std::uint32_t kMostResidualSamples = 1U << 24U;
+constexpr std::uint32_t kMostGatherRays = 65536;
 constexpr double kMebibyte = 1 << 20;
 
 std::uint32_t divisions_of(std::uint32_t points) {
@@ -128,6 +129,14 @@ void add_radiosity_options(CLI::App& command, RadiosityArguments& a) {
                          "Angle [degrees] beyond which neighbours do not share light at a vertex"))
       ->check(CLI::Range(0.0, 90.0))
       ->capture_default_str();
+}
+
+void add_picture_options(CLI::App& command, RadiosityArguments& a) {
+  add_to_group(a, command.add_option("--final-gather", a.gather_rays,
+                                     "Rays from every diffuse hit that look for light, which is then not the mesh's "
+                                     "own but as sharp as it is; lights are sampled as without radiosity (default: "
+                                     "none)"))
+      ->check(CLI::Range(1U, kMostGatherRays));
 }
 
 RadiosityOptions to_radiosity_options(const RadiosityArguments& a, const std::vector<std::string>& others) {

@@ -14,7 +14,7 @@ namespace hemiray::app {
 
 struct RadiosityArguments {
   std::uint32_t patches = 4000, resolution = 0, points = 1, iterations = 10000, seed = 0, shots = 16,
-                residual_samples = 4096, pair_rays = 256;
+                residual_samples = 4096, pair_rays = 256, gather_rays = 0;
   double keep_every = 30.0, edge = 0.0, chord = 0.0, tolerance = 1e-4, seconds = 0.0, crease = 20.0, factor_mib = 0.0;
   std::string form_factors = "hybrid", solver = "auto", pick = "power", display = "smooth", cells = "turned", save,
               resume;
@@ -25,6 +25,9 @@ struct RadiosityArguments {
 void add_mesh_options(CLI::App& command, RadiosityArguments& arguments);
 /// These, and those of solution and display.
 void add_radiosity_options(CLI::App& command, RadiosityArguments& arguments);
+
+/// Those that only a picture has.
+void add_picture_options(CLI::App& command, RadiosityArguments& arguments);
 
 /// Throws InputError for values out of range, and for a file to save in that is there, cannot be written or is one of
 /// `others`, which are read or written, too.

@@ -35,6 +35,7 @@ constexpr const char* kExamples = R"(Examples:
   hemiray render scene.obj -o out.exr --device gpu --trace trace.json
   hemiray render model.ply -o out.exr --accel octree --triangle fast
   hemiray render scenes/cornell_box.json -o cornell.exr --method radiosity --patches 10000
+  hemiray render scenes/cornell_box.json -o cornell.exr --method radiosity --patches 1000 --final-gather 64
   hemiray render room.json -o a.exr --method radiosity --save room.solution      solves, and keeps what is computed
   hemiray render room.json -o b.exr --method radiosity --resume room.solution    goes on, or shows it, from elsewhere, too
   hemiray render scene.gltf -o out.exr --device all      every device, tiles by what each delivers
@@ -210,9 +211,14 @@ LitScene solve_light(const RenderArguments& given, const Scene& scene, const Dev
   options.solve.on_iteration = [&](std::uint32_t, double) { return !interrupt.interrupted(); };
   Context context(device);
   LitScene lit;
-  lit.radiosity = compute_radiosity(context, flatten_scene(scene), options);
+  const FlatScene flat = flatten_scene(scene);
+  const DisplayOptions display = to_display_options(given.radiosity);
+  const std::uint32_t rays = given.radiosity.gather_rays;
+  lit.radiosity = compute_radiosity(context, flat, options);
   if (interrupt.interrupted()) tell_kept(options.keep, lit.radiosity.statistics);
-  lit.patches = lit_patches(lit.radiosity.mesh, lit.radiosity.irradiance, to_display_options(given.radiosity));
+  const Radiosity& r = lit.radiosity;
+  lit.patches = rays > 0 ? gathered_patches(flat, r.mesh, r.irradiance, rays, display)
+                         : lit_patches(r.mesh, r.irradiance, display);
   return lit;
 }
 
@@ -330,6 +336,7 @@ void add_render_command(CLI::App& app, int& exit_code) {
   command->add_option("--trace", given->trace, "Write a timeline in Chrome's trace format");
   command->add_option("--dump-kernels", given->dump_kernels, "Write the flattened kernel sources to this folder");
   add_radiosity_options(*command, given->radiosity);
+  add_picture_options(*command, given->radiosity);
   command->footer(kExamples);
   command->callback([given, tree, &exit_code] {
     given->has_tree = tree->count() > 0;

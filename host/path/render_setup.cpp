@@ -47,7 +47,8 @@ RenderSetup::RenderSetup(const Scene& scene_given, const RenderOptions& options_
              ? *options.patches
              : flatten_scene(scene, options.accel.kind == AccelKind::bvh ? options.instancing : Instancing::never);
   features = features_of(scene, flat, depth);
-  if (options.patches != nullptr) features &= ~HR_FEATURE_AMBIENT;  // it is in the solution
+  // What the ambient light stands for is in the solution, which is physical.
+  if (options.patches != nullptr) features &= ~(HR_FEATURE_AMBIENT | HR_FEATURE_PHONG_SHADING);
   flatten_ms = steady_ms() - start;
 }
 
@@ -88,6 +89,7 @@ shared::RenderParams RenderSetup::params(const DeviceScene& device_scene) const 
   params.light_count = device_scene.light_count();
   params.emitter_count = device_scene.emitter_count();
   params.instance_count = device_scene.instance_count();
+  params.gather_rays = flat.gather_rays;
   return params;
 }
 

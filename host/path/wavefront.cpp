@@ -167,6 +167,7 @@ RayCounts WavefrontEngine::trace(shared::RenderParams params, std::uint32_t coun
       if (items == 0 || !has_feature(features_, kStages[stage].feature)) continue;
       if (stage == HR_STAGE_intersect_closest) rays.closest += items;
       if (stage == HR_STAGE_intersect_shadow) rays.shadow += items;
+      if (stage == HR_STAGE_gather) rays.closest += std::uint64_t{items} * params.gather_rays;
       run_stage(stage, starts[stage], items, round, common);
     }
     starts = compact_queue(starts.back());

@@ -1,9 +1,12 @@
 #include "host/radiosity/display.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <map>
 #include <numbers>
+
+#include "host/scene/flat_lights.hpp"
 
 namespace hemiray {
 namespace {
@@ -42,6 +45,27 @@ Fans fans_of(const PatchMesh& mesh) {
 double cosine_of(const shared::float4& a, const shared::float4& b) {
   return static_cast<double>(a.x) * static_cast<double>(b.x) + static_cast<double>(a.y) * static_cast<double>(b.y) +
          static_cast<double>(a.z) * static_cast<double>(b.z);
+}
+
+// First patch that was cut from the scene's triangle `face`, or from a later one. Patches come in the order of
+// triangles.
+std::uint32_t first_patch_of(const PatchMesh& mesh, std::uint32_t face) {
+  return static_cast<std::uint32_t>(std::ranges::lower_bound(mesh.faces, face) - mesh.faces.begin());
+}
+
+// Patches that emit and are no part of a light of its own.
+std::vector<shared::Emitter> emitters_of(const PatchMesh& mesh, const std::vector<shared::Light>& lights) {
+  std::vector<EmitterCandidate> candidates;
+  for (std::uint32_t i = 0; i < mesh.patch_count(); i++) {
+    const shared::float4& e = mesh.flat.materials[mesh.flat.triangles[i].w].emission;
+    const double mean = (static_cast<double>(e.x) + static_cast<double>(e.y) + static_cast<double>(e.z)) / 3.0;
+    const bool is_light = std::ranges::any_of(lights, [i](const shared::Light& light) {
+      return i >= light.first_primitive && i - light.first_primitive < light.primitive_count;
+    });
+    const auto area = static_cast<double>(mesh.normals[i].w);
+    if (mean > 0.0 && !is_light) candidates.push_back({i, area, area * mean});
+  }
+  return make_emitters(candidates);
 }
 
 }  // namespace
@@ -90,6 +114,23 @@ FlatScene lit_patches(const PatchMesh& mesh, const std::vector<std::array<double
     flat.patch_light.push_back({h[0], h[1], h[2], 0.0F});
   // No highlights: there are no lights that they could mirror.
   for (shared::Material& m : flat.materials) m.ks = {0.0F, 0.0F, 0.0F, m.ks.w};
+  return flat;
+}
+
+FlatScene gathered_patches(const FlatScene& scene, const PatchMesh& mesh,
+                           const std::vector<std::array<double, 3>>& irradiance, std::uint32_t rays,
+                           const DisplayOptions& options) {
+  FlatScene flat = lit_patches(mesh, irradiance, options);
+  flat.materials = scene.materials;
+  flat.gather_rays = rays;
+  flat.lights = scene.lights;
+  for (shared::Light& light : flat.lights) {
+    if (light.primitive_count == 0) continue;
+    const std::uint32_t end = first_patch_of(mesh, light.first_primitive + light.primitive_count);
+    light.first_primitive = first_patch_of(mesh, light.first_primitive);
+    light.primitive_count = end - light.first_primitive;
+  }
+  flat.emitters = emitters_of(mesh, flat.lights);
   return flat;
 }
 

@@ -25,4 +25,11 @@ std::vector<std::array<float, 3>> corner_irradiance(const PatchMesh& mesh,
 FlatScene lit_patches(const PatchMesh& mesh, const std::vector<std::array<double, 3>>& irradiance,
                       const DisplayOptions& options = {});
 
+/// The same, but the path tracer looks from every diffuse hit with `rays` rays for what other patches send there (a
+/// final gather), and samples the lights of `scene`, which the mesh was cut from, as it does without radiosity: shadows
+/// and corners are as sharp as they are, however coarse the mesh. Highlights of the lights are there, too. `rays` >= 1.
+FlatScene gathered_patches(const FlatScene& scene, const PatchMesh& mesh,
+                           const std::vector<std::array<double, 3>>& irradiance, std::uint32_t rays,
+                           const DisplayOptions& options = {});
+
 }  // namespace hemiray

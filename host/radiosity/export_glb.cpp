@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/base/error.hpp"
+
 namespace hemiray {
 namespace {
 
@@ -93,6 +95,9 @@ std::string solution_as_glb(const PatchMesh& mesh, const std::vector<std::array<
                             const DisplayOptions& options, double exposure, GlbFacts& facts) {
   facts.exposure = exposure > 0.0 ? exposure : automatic_exposure(mesh, irradiance);
   Corners corners = corners_of(mesh, irradiance, options);
+  if (corners.positions.empty()) {
+    throw InputError("radiosity", "no light comes to any patch: there is nothing to write");
+  }
   std::array<float, 3> lo, hi;
   lo.fill(std::numeric_limits<float>::infinity());
   hi.fill(-std::numeric_limits<float>::infinity());

@@ -55,8 +55,7 @@ bool is_too_long(const Vec3& a, const Vec3& b, const RoundSurface* round, const 
   if (length2(a, b) > targets.edge_m * targets.edge_m) return true;
   if (round == nullptr) return false;
   // A triangle of three such edges lies below its surface by up to edge^2 / (6 r), its edges by edge^2 / (8 r).
-  const DVec3 arrow = round->halfway(DVec3(a), DVec3(b)) - 0.5 * (DVec3(a) + DVec3(b));
-  return glm::length(arrow) * 4.0 / 3.0 > targets.chord_m;
+  return round->arrow(DVec3(a), DVec3(b)) * 4.0 / 3.0 > targets.chord_m;
 }
 
 // Longest-edge bisection (Rivara 1984): an edge is halved if and only if it is too long, whoever looks at it, so there
@@ -103,12 +102,6 @@ class Mesher {
     if (!from.planes.empty()) {
       throw InputError("radiosity", "the scene has an unbounded plane, which has no patches; use a quad in its place");
     }
-    for (const shared::Shape& shape : from.shapes) {
-      if (shape.kind != HR_SHAPE_QUADRIC && shape.kind != HR_SHAPE_IMPLICIT) continue;
-      throw InputError(
-          "radiosity",
-          "the scene has a quadric or an implicit surface, which is not cut into patches; give it as a mesh");
-    }
     take_attributes();
     for (std::size_t i = 0; i < from.triangles.size(); i++) {
       const shared::uint4 t = from.triangles[i];
@@ -116,7 +109,7 @@ class Mesher {
     }
     round_.reserve(from.spheres.size() + from.shapes.size());
     for (const shared::Sphere& s : from.spheres) add_round(round_sphere(s), nullptr, s.material, s.object);
-    for (const shared::Shape& s : from.shapes) add_round(round_shape(s), &s, s.material, s.object);
+    for (const shared::Shape& s : from.shapes) add_round(round_shape(s, from.tapes), &s, s.material, s.object);
     if (faces_.empty()) throw InputError("radiosity", "the scene has no surface that could be cut into patches");
   }
 

@@ -36,7 +36,7 @@ struct PatchMesh {
 };
 
 /// Cuts the scene's surfaces into patches and gives their sides what the materials say at the patches' middles.
-/// Throws InputError for a surface that cannot be cut (a plane has no end; quadrics and implicit surfaces), a scene
+/// Throws InputError for a surface that cannot be cut (a plane has no end), a scene
 /// without surfaces, or a patch that reflects everything (rho >= 1), which is named.
 PatchMesh make_patch_mesh(const FlatScene& flat, const PatchOptions& options);
 

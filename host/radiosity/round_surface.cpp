@@ -36,7 +36,9 @@ DVec3 rgb(const shared::float4& v) { return {v.x, v.y, v.z}; }
 DVec3 RoundSurface::halfway(const DVec3& a, const DVec3& b) const {
   const DVec3 p = to_own * (a - place), q = to_own * (b - place);
   DVec3 middle = 0.5 * (p + q);
-  if (kind == Kind::sphere) {
+  if (kind == Kind::level) {
+    middle = level->halfway(p, q).value_or(middle);
+  } else if (kind == Kind::sphere) {
     middle *= radius / glm::length(middle);
   } else {
     const auto off_rim = [this](const DVec3& point) {
@@ -51,8 +53,18 @@ DVec3 RoundSurface::halfway(const DVec3& a, const DVec3& b) const {
   return place + to_world * middle;
 }
 
+double RoundSurface::arrow(const DVec3& a, const DVec3& b) const {
+  const bool unknown = kind == Kind::level && !level->halfway(to_own * (a - place), to_own * (b - place));
+  return unknown ? kMostArrow * glm::distance(a, b) : glm::length(halfway(a, b) - 0.5 * (a + b));
+}
+
 double RoundSurface::distance(const DVec3& p) const {
   const DVec3 own = to_own * (p - place);
+  if (kind == Kind::level) {
+    const LevelSet::Value v = level->at(own);
+    const double steepness = glm::length(glm::transpose(to_own) * v.gradient);
+    return steepness > 0.0 ? std::abs(v.f) / steepness : 0.0;
+  }
   if (kind == Kind::sphere) return glm::length(to_world * (own * (radius / glm::length(own) - 1.0)));
   const double across = std::hypot(own.x, own.y);
   if (!(across > 0.0)) return 0.0;
@@ -62,8 +74,10 @@ double RoundSurface::distance(const DVec3& p) const {
 
 DVec3 RoundSurface::normal(const DVec3& p) const {
   const DVec3 own = to_own * (p - place);
-  const DVec3 out = kind == Kind::sphere ? own : DVec3(own.x, own.y, -slope * std::hypot(own.x, own.y));
-  return glm::normalize(glm::transpose(to_own) * out);
+  const DVec3 out = kind == Kind::level    ? level->at(own).gradient
+                    : kind == Kind::sphere ? own
+                                           : DVec3(own.x, own.y, -slope * std::hypot(own.x, own.y));
+  return out == DVec3(0.0) ? out : glm::normalize(glm::transpose(to_own) * out);
 }
 
 RoundSurface round_sphere(const shared::Sphere& sphere) {
@@ -73,12 +87,18 @@ RoundSurface round_sphere(const shared::Sphere& sphere) {
   return surface;
 }
 
-RoundSurface round_shape(const shared::Shape& shape) {
+RoundSurface round_shape(const shared::Shape& shape, std::span<const shared::uint4> tapes) {
   RoundSurface surface;
   surface.kind = RoundSurface::Kind::cone;
   surface.to_own = glm::transpose(DMat3(rgb(shape.to_own_x), rgb(shape.to_own_y), rgb(shape.to_own_z)));
   surface.to_world = glm::inverse(surface.to_own);
   surface.place = {shape.to_own_x.w, shape.to_own_y.w, shape.to_own_z.w};
+  if (shape.kind == HR_SHAPE_QUADRIC || shape.kind == HR_SHAPE_IMPLICIT) {
+    surface.kind = RoundSurface::Kind::level;
+    surface.level = std::make_shared<LevelSet>(shape, tapes);
+    surface.radius = surface.level->size();
+    return surface;
+  }
   surface.radius = static_cast<double>(shape.form.x);
   if (shape.kind == HR_SHAPE_CONE) {
     surface.slope = static_cast<double>(shape.form.y);
@@ -105,6 +125,10 @@ std::vector<RoundFace> round_faces(const RoundSurface& surface, const shared::Sh
   const auto add = [&](const DVec3& a, const DVec3& b, const DVec3& c, bool flat) {
     faces.push_back({{place(a), place(turned ? c : b), place(turned ? b : c)}, flat});
   };
+  if (surface.kind == RoundSurface::Kind::level) {
+    for (const LevelSet::Triangle& t : surface.level->triangles()) add(t[0], t[1], t[2], false);
+    return faces;
+  }
   const double h = surface.half_height;
   const auto rim = [&](int i, double z) {
     const double angle = 2.0 * std::numbers::pi * (i % kSides) / kSides, r = surface.radius + surface.slope * z;

@@ -24,7 +24,7 @@ constexpr std::array<const char*, HR_FEATURE_COUNT> kNames = {"triangles",     "
                                                               "orthographic",  "phong-shading",
                                                               "instances",     "shapes",
                                                               "implicits",     "thin-triangles",
-                                                              "radiosity"};
+                                                              "radiosity",     "final-gather"};
 
 bool is_positive(const shared::float4& v) { return v.x > 0.0F || v.y > 0.0F || v.z > 0.0F; }
 
@@ -99,6 +99,7 @@ std::uint32_t features_of(const Scene& scene, const FlatScene& flat, int depth) 
   if (!flat.shapes.empty()) mask |= HR_FEATURE_SHAPES;
   if (!flat.tapes.empty()) mask |= HR_FEATURE_IMPLICITS;
   if (!flat.patch_light.empty()) mask |= HR_FEATURE_RADIOSITY;
+  if (flat.gather_rays > 0) mask |= HR_FEATURE_GATHER;
   if (!flat.planes.empty()) mask |= HR_FEATURE_PLANES;
   if (!flat.normals.empty()) mask |= HR_FEATURE_SMOOTH_NORMALS;
   if (!flat.colors.empty()) mask |= HR_FEATURE_VERTEX_COLORS;

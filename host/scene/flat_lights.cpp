@@ -33,6 +33,23 @@ void set_rectangle(shared::Light& light, const DVec3& corner, const DVec3& edge_
 
 }  // namespace
 
+std::vector<shared::Emitter> make_emitters(const std::vector<EmitterCandidate>& candidates) {
+  std::vector<shared::Emitter> emitters;
+  double total = 0.0;
+  for (const EmitterCandidate& c : candidates) total += c.weight;
+  double sum = 0.0;
+  for (const EmitterCandidate& c : candidates) {
+    sum += c.weight;
+    shared::Emitter emitter{};
+    emitter.primitive = c.primitive;
+    emitter.cumulative = static_cast<float>(sum / total);
+    emitter.inverse_pdf = static_cast<float>(c.area_m2 * total / c.weight);
+    emitters.push_back(emitter);
+  }
+  if (!emitters.empty()) emitters.back().cumulative = 1.0F;
+  return emitters;
+}
+
 DVec3 LightCollector::position(std::uint32_t vertex) const {
   const float* p = &flat_.positions[std::size_t{3} * vertex];
   return {p[0], p[1], p[2]};
@@ -129,18 +146,7 @@ void LightCollector::add_spheres() {
 
 void LightCollector::finish() {
   if (candidates_.empty()) return;
-  double total = 0.0;
-  for (const Candidate& c : candidates_) total += c.weight;
-  double sum = 0.0;
-  for (const Candidate& c : candidates_) {
-    sum += c.weight;
-    shared::Emitter emitter{};
-    emitter.primitive = c.primitive;
-    emitter.cumulative = static_cast<float>(sum / total);
-    emitter.inverse_pdf = static_cast<float>(c.area_m2 * total / c.weight);
-    flat_.emitters.push_back(emitter);
-  }
-  flat_.emitters.back().cumulative = 1.0F;
+  flat_.emitters = make_emitters(candidates_);
   shared::Light light{};
   light.kind = HR_LIGHT_EMITTERS;
   light.samples_u = static_cast<std::uint32_t>(scene_.emitter_samples);

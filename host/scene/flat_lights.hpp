@@ -9,6 +9,16 @@
 
 namespace hemiray {
 
+/// A surface that emits, by what it sends.
+struct EmitterCandidate {
+  std::uint32_t primitive;
+  double area_m2;
+  double weight;  ///< area times mean emission
+};
+
+/// As the kernels choose among them: each by its share of the weights.
+std::vector<shared::Emitter> make_emitters(const std::vector<EmitterCandidate>& candidates);
+
 /// Fills flat.lights and flat.emitters; call the adders in the order of their declaration.
 class LightCollector {
  public:
@@ -24,19 +34,13 @@ class LightCollector {
   void finish();
 
  private:
-  struct Candidate {
-    std::uint32_t primitive;
-    double area_m2;
-    double weight;
-  };
-
   void append(shared::Light light);
   void add_rectangle(std::uint32_t first_primitive, const Material& material);
   [[nodiscard]] DVec3 position(std::uint32_t vertex) const;
 
   const Scene& scene_;
   FlatScene& flat_;
-  std::vector<Candidate> candidates_;
+  std::vector<EmitterCandidate> candidates_;
   std::uint32_t sample_count_ = 0;
 };
 

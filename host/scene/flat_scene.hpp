@@ -34,6 +34,8 @@ struct FlatScene {
   /// Of patches lit by a radiosity solution (host/radiosity/display.hpp), 6 a triangle: irradiance [W/m^2], rgb, at the
   /// three corners of its front, then of its back; else empty.
   std::vector<shared::float4> patch_light;
+  /// Rays that look from a hit of a patch for what comes to it, in place of its own patch_light; 0: it is shown itself.
+  std::uint32_t gather_rays = 0;
   std::vector<shared::Plane> planes;
   std::vector<shared::Material> materials;
   std::vector<shared::Light> lights;

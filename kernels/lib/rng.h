@@ -7,6 +7,7 @@
 
 #define HR_DIMENSION_PIXEL 0u
 #define HR_DIMENSION_FIRST_LIGHT 1u
+#define HR_DIMENSION_GATHER 0x80000000u  // beyond those of any light's samples
 
 // pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020.
 static inline uint4 rng_hash(uint4 v) {

@@ -2,6 +2,7 @@
 #ifndef HR_PATH_STAGES_H
 #define HR_PATH_STAGES_H
 
+#include "path/gather.h"
 #include "path/generate.h"
 #include "path/intersect_closest.h"
 #include "path/intersect_shadow.h"

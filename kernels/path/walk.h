@@ -13,6 +13,7 @@ static inline uint2 walk_path(const PathContext* context, PathState* state, uint
   while (next != HR_STAGE_done) {
     if (next == HR_STAGE_intersect_closest) rays.x++;
     if (next == HR_STAGE_intersect_shadow) rays.y++;
+    if (HR_HAS(GATHER) && next == HR_STAGE_gather) rays.x += context->params.gather_rays;
     switch (next) {
       HR_PATH_STAGES(HR_STAGE_CASE)
       default:

@@ -34,12 +34,13 @@
 #define HR_FEATURE_IMPLICITS (1u << 26)      /* shapes that are implicit polynomial surfaces */
 #define HR_FEATURE_THIN_TRIANGLES (1u << 27) /* many, whose distance edge functions tell badly */
 #define HR_FEATURE_RADIOSITY (1u << 28)      /* patches, lit by a radiosity solution */
-#define HR_FEATURE_COUNT 29
+#define HR_FEATURE_GATHER (1u << 29)         /* these patches looked at with rays of their own: a final gather */
+#define HR_FEATURE_COUNT 30
 
 #ifndef __cplusplus
 
 #ifndef HR_FEATURES
-#define HR_FEATURES 0x1fffffffu
+#define HR_FEATURES 0x3fffffffu
 #endif
 
 #define HR_HAS(feature) ((HR_FEATURES & HR_FEATURE_##feature) != 0)
@@ -130,6 +131,11 @@
 #define HR_IF_RADIOSITY(x) x
 #else
 #define HR_IF_RADIOSITY(x)
+#endif
+#if HR_HAS(GATHER)
+#define HR_IF_GATHER(x) x
+#else
+#define HR_IF_GATHER(x)
 #endif
 
 #endif

@@ -28,7 +28,7 @@ typedef struct RenderParams {
   uint emitter_count;
   uint instance_count;
   uint shape_count;
-  uint pad0;
+  uint gather_rays;  // of a final gather, a hit
 } RenderParams;
 
 HR_SHARED_END

@@ -118,6 +118,9 @@ TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and no
   const std::string out = (folder / "a.exr").string(), glb = (folder / "a.glb").string();
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"render", kCornellBox, "-o", out, "--patches", "5"}, "--method radiosity"},
+      {{"render", kCornellBox, "-o", out, "--final-gather", "8"}, "--method radiosity"},
+      {{"render", kCornellBox, "-o", out, "--method", "radiosity", "--final-gather", "0"}, "--final-gather"},
+      {{"solve", kCornellBox, "-o", glb, "--final-gather", "8"}, "--final-gather"},
       {{"solve", kCornellBox, "-o", out}, ".glb"},
       {{"solve", kCornellBox, "-o", glb, "--points", "3"}, "--points"},
       {{"solve", kCornellBox, "-o", glb, "--resolution", "9"}, "even"},

@@ -120,7 +120,7 @@ const std::vector<Layout>& layouts() {
         HR_FOUR(RenderParams, first_pixel, slot_count, sample, samples),
         HR_FOUR(RenderParams, seed_key, max_depth, triangle_count, sphere_count),
         HR_FOUR(RenderParams, plane_count, light_count, emitter_count, instance_count),
-        HR_MEMBER(RenderParams, shape_count), HR_MEMBER(RenderParams, pad0)}},
+        HR_MEMBER(RenderParams, shape_count), HR_MEMBER(RenderParams, gather_rays)}},
   };
   return kLayouts;
 }

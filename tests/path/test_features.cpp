@@ -66,6 +66,8 @@ std::uint32_t with_implied(std::uint32_t bit) {
     case HR_FEATURE_RADIOSITY:
     case HR_FEATURE_THIN_TRIANGLES:
       return bit | HR_FEATURE_TRIANGLES;
+    case HR_FEATURE_GATHER:
+      return bit | HR_FEATURE_RADIOSITY | HR_FEATURE_TRIANGLES;
     case HR_FEATURE_IMPLICITS:
       return bit | HR_FEATURE_SHAPES;
     case HR_FEATURE_NORMAL_MAPS:
@@ -103,9 +105,9 @@ void check_compiles(Context& context, std::uint32_t mask) {
   Program wavefront(context, "wavefront",
                     {"path/queue.cl", "path/wavefront.cl", "path/finish.cl", "film/accumulate.cl"},
                     ProgramOptions{mask, false});
-  const std::size_t stages = 4 + (has_feature(mask, HR_FEATURE_LIGHTS) ? 1 : 0) +
-                             (has_feature(mask, HR_FEATURE_SECONDARY) ? 1 : 0) +
-                             (has_feature(mask, HR_FEATURE_BRANCHING) ? 1 : 0);
+  const std::size_t stages =
+      4 + (has_feature(mask, HR_FEATURE_LIGHTS) ? 1 : 0) + (has_feature(mask, HR_FEATURE_GATHER) ? 1 : 0) +
+      (has_feature(mask, HR_FEATURE_SECONDARY) ? 1 : 0) + (has_feature(mask, HR_FEATURE_BRANCHING) ? 1 : 0);
   CHECK(wavefront.kernel_count() == stages + 4);
   CHECK_NOTHROW(wavefront.kernel("path_shade_surface"));
   const Program megakernel(context, "megakernel", {"path/megakernel.cl", "film/accumulate.cl"},

@@ -1,45 +1,19 @@
 // The patch mesh: areas are kept, edges shared, budgets and errors as stated.
 #include <catch2/catch.hpp>
 
-#include <fmt/format.h>
-
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "host/base/error.hpp"
-#include "host/scene/load.hpp"
+#include "tests/radiosity/mesh_checks.hpp"
 #include "tests/radiosity/radiosity_bench.hpp"
-#include "tests/support/temp_folder.hpp"
 
 namespace hemiray {
 namespace {
 
-using test::TempFolder;
-
-double area_of(const PatchMesh& mesh) {
-  double sum = 0.0;
-  for (const shared::float4& n : mesh.normals) sum += static_cast<double>(n.w);
-  return sum;
-}
-
-// Edges by their places that only one triangle has.
-std::size_t lonely_edges(const PatchMesh& mesh) {
-  using Place = std::array<float, 3>;
-  std::map<std::pair<Place, Place>, int> uses;
-  for (const shared::uint4& t : mesh.flat.triangles) {
-    const std::array<std::uint32_t, 3> v = {t.x, t.y, t.z};
-    for (std::size_t i = 0; i < 3; i++) {
-      const Vec3 a = test::vertex(mesh.flat, v[i]), b = test::vertex(mesh.flat, v[(i + 1) % 3]);
-      Place p = {a.x, a.y, a.z}, q = {b.x, b.y, b.z};
-      if (q < p) std::swap(p, q);
-      uses[{p, q}]++;
-    }
-  }
-  std::size_t lonely = 0;
-  for (const auto& [edge, count] : uses) lonely += count != 2;
-  return lonely;
-}
+using test::area_of;
+using test::flat_from_json;
+using test::lonely_edges;
 
 }  // namespace
 
@@ -75,12 +49,6 @@ TEST_CASE("a sphere is cut to the stated distance, closed") {
 }
 
 TEST_CASE("disks, cylinders and cones are cut to the stated distance, closed where they are") {
-  const auto shape_scene = [](const char* json) {
-    const TempFolder folder;
-    const std::string text =
-        fmt::format(R"({{ "hemiray": 1, "materials": {{ "m": {{ "kd": 0.5 }} }}, "objects": [ {} ] }})", json);
-    return flatten_scene(load_scene(folder.write("s.json", text)));
-  };
   struct Expected {
     const char* json;
     double area;
@@ -98,7 +66,7 @@ TEST_CASE("disks, cylinders and cones are cut to the stated distance, closed whe
        kPi * 9.0 * 5.0, false},
   };
   for (const Expected& shape : shapes) {
-    const FlatScene flat = shape_scene(shape.json);
+    const FlatScene flat = flat_from_json(shape.json);
     for (const double chord : {0.05, 0.005}) {
       const PatchMesh mesh = make_patch_mesh(flat, {100.0, 0, chord});
       INFO(shape.json << ": " << mesh.patch_count() << " patches, " << mesh.chord_m);
