@@ -21,7 +21,8 @@ constexpr std::size_t kLongestShown = 40;  // of a value in a message: hashes te
 std::string scene_hash(const FlatScene& flat) {
   // A member more or less does not compile: it belongs below.
   const auto& [positions, normals, uvs, colors, triangles, triangle_objects, spheres, shapes, tapes, patch_light,
-               planes, materials, lights, emitters, textures, texels, shared_meshes, instances] = flat;
+               gather_rays, planes, materials, lights, emitters, textures, texels, shared_meshes, instances] = flat;
+  static_cast<void>(gather_rays);  // how a solution is shown
   Sha256 hash;
   const auto add = [&hash](const auto&... lists) {
     const auto add_list = [&hash](const auto& list) {
@@ -49,7 +50,7 @@ std::string kernels_hash() {
 nlohmann::ordered_json options_json(const RadiosityOptions& options, const DeviceInfo& device) {
   const auto& [edge_m, patches, chord_m] = options.mesh;
   const auto& [method, hemicube, visibility] = options.factors;
-  const auto& [resolution, divisions, turned, jittered, seed, batch_bytes] = hemicube;
+  const auto& [view, resolution, divisions, turned, jittered, seed, batch_bytes] = hemicube;
   const auto& [few, many, accuracy, visibility_seed] = visibility;
   const auto& [kind, tolerance, iterations, seconds, group, shots, pick, restart, single_precision, on_iteration,
                offer_state, continue_from] = options.solve;
@@ -58,7 +59,7 @@ nlohmann::ordered_json options_json(const RadiosityOptions& options, const Devic
   json["--patches"] = patches;
   json["--edge"] = edge_m;
   json["--chord"] = chord_m;
-  json["--form-factors"] = static_cast<int>(method);
+  json["--form-factors"] = {static_cast<int>(method), static_cast<int>(view)};
   json["--resolution"] = resolution;
   json["--points"] = divisions * divisions;
   json["--cells"] = jittered ? "jittered" : (turned ? "turned" : "aligned");

@@ -282,7 +282,8 @@ std::string shape_fault(const Shape& s) {
   const bool clipped = s.clip != Clip::none && !round;
   const double reach =
       clipped ? glm::length(placed.to_world * clip_half(s)) : reach_of(bounds_of(s, placed), placed.place);
-  if (!(reach >= kLeastReach && reach <= kMostReach)) return fmt::format("its size must be from 1e-15 to 1e15 m, found {:.3g}", reach);
+  if (!(reach >= kLeastReach && reach <= kMostReach))
+    return fmt::format("its size must be from 1e-15 to 1e15 m, found {:.3g}", reach);
   return {};
 }
 
