@@ -355,7 +355,7 @@ int main(int argc, char** argv) {
   };
   try {
     return hemiray::run(number(1, 14000), number(2, 8),
-                        {number(5, 16), number(3, 256), argc > 4 ? std::strtod(argv[4], nullptr) : 0.04, 0});
+                        {number(5, 16), number(3, 1024), argc > 4 ? std::strtod(argv[4], nullptr) : 0.001, 0});
   } catch (const std::exception& error) {
     std::fputs((std::string(error.what()) + "\n").c_str(), stderr);
     return 1;

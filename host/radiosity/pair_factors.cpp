@@ -10,10 +10,8 @@ namespace {
 constexpr std::uint64_t kDenseBytes = std::uint64_t{64} << 20U;
 constexpr std::uint32_t kFarColumns = 256;  // HR_FAR_COLUMNS of radiosity/pair_far.cl
 
-ProgramOptions near_options(const Context& context) {
-  ProgramOptions options;
-  options.double_precision = context.device().has_fp64;
-  return options;
+ProgramOptions wide_options(const Context& context, bool double_precision) {
+  return {0, double_precision, context.profile().explicit_vectors != 0 ? "" : "-DHR_EXPLICIT_VECTORS=0"};
 }
 
 }  // namespace
@@ -22,8 +20,8 @@ PairFactors make_pair_factors(Context& context, Parallel& parallel, const PairSi
                               const PairVisibility& visibility, const PairWatcher& watcher,
                               const std::function<bool(double)>& on_progress) {
   const double start = steady_ms();
-  Program far(context, "far pairs", {"radiosity/pair_far.cl"}, {}),
-      near(context, "near pairs", {"radiosity/pair_near.cl"}, near_options(context)),
+  Program far(context, "far pairs", {"radiosity/pair_far.cl"}, wide_options(context, false)),
+      near(context, "near pairs", {"radiosity/pair_near.cl"}, wide_options(context, context.device().has_fp64)),
       rows(context, "pair rows", {"radiosity/pair_rows.cl"}, {});
   PairFactors result;
   result.matrix.side_count = static_cast<std::uint32_t>(sides.active.size());
