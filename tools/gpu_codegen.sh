@@ -4,15 +4,14 @@
 #   tools/gpu_codegen.sh -DHR_STRICT=1 -DHR_TRIANGLE_WATERTIGHT=0    other builds of the same kernels
 # Targets: NVIDIA (PTX, then machine code by ptxas -arch=sm_90 where the CUDA toolkit is), AMD (gfx1030), SPIR-V.
 # Registers are AMD's vector ones with its scalar ones behind the slash; a stack is what indexed private arrays take, a
-# spill what did not fit the registers, both in bytes a work-item. Exit code 1 if a kernel does not compile or spills,
-# unless it is known to.
+# spill what did not fit the registers, both in bytes a work-item. Exit code 1 if a kernel does not compile or spills.
 # Needs Debian's clang-15, libclc-15, libclc-15-dev and llvm-spirv-15. --keep leaves sources and code in FOLDER.
 #   HEMIRAY_PTXAS=PATH   ptxas, if not on PATH and not in /usr/local/cuda/bin
 set -euo pipefail
 
 root=$(readlink -f -- "$(dirname -- "${BASH_SOURCE[0]}")/..")
 fail() { printf 'gpu_codegen: %s\n' "$*" >&2; exit 1; }
-if [[ ${1:-} == -h || ${1:-} == --help ]]; then sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; fi
+if [[ ${1:-} == -h || ${1:-} == --help ]]; then sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; fi
 
 if [[ ${1:-} == --keep ]]; then
   (($# >= 2)) || fail "--keep needs a folder"
@@ -48,9 +47,7 @@ rm -f -- "$work/gpu_programs"
 options=(-x cl -cl-std=CL1.2 -cl-kernel-arg-info -Xclang -finclude-default-header "${profile[@]}" "$@")
 printf 'options: %s\n' "${profile[*]} $*"
 
-failures=0 spills=0 known=0 kernels=0
-# Kernels that have only one form, with vectors of 16, which is for CPUs (docs/devices.md): they compile, and are right.
-not_for_gpus_yet="radiosity_pair_far radiosity_pair_near radiosity_sample_partial radiosity_trace_pairs"
+failures=0 spills=0 kernels=0
 row() { printf '%-24s %-14s %10s %8s %8s  %s\n' "$@"; }
 
 failed() {  # FILE TARGET LOG
@@ -65,11 +62,7 @@ tabulate() {  # TARGET, rows "kernel registers stack spill" on stdin
   while read -r kernel registers stack spill; do
     verdict=OK
     if [[ $spill != 0 && $spill != - ]]; then
-      if [[ " $not_for_gpus_yet " == *" $kernel "* ]]; then
-        verdict="spills, known" known=$((known + 1))
-      else
-        verdict=SPILLS spills=$((spills + 1))
-      fi
+      verdict=SPILLS spills=$((spills + 1))
     fi
     row "$kernel" "$1" "$registers" "$stack" "$spill" "$verdict" >>"$work/rows.log"
     kernels=$((kernels + 1))
@@ -144,5 +137,5 @@ done
 row kernel target registers stack spill verdict
 sort "$work/rows.log"
 [[ -n $ptxas ]] || echo "no CUDA toolkit here: NVIDIA registers and spills are not known (HEMIRAY_PTXAS=PATH names a ptxas)"
-printf '%d compiled, %d failed, %d spill, %d more of kernels that are known to\n' "$kernels" "$failures" "$spills" "$known"
+printf '%d compiled, %d failed, %d spill\n' "$kernels" "$failures" "$spills"
 ((kernels > 0 && failures == 0 && spills == 0))

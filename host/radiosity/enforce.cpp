@@ -8,16 +8,16 @@ namespace {
 
 constexpr std::uint32_t kMostSweeps = 24;
 constexpr double kStalled = 0.8;
-constexpr double kFarOff = 0.2;        // more than any rule or sampling explains
 constexpr double kCloseEnough = 1e-5;  // single precision keeps not much more of a row of ten thousands
 
 }  // namespace
 
 Enforcement scale_pairs(Context& context, const PatchMesh& mesh, FactorMatrix& exchange,
-                        const std::vector<bool>& closed_sides, bool enforce) {
+                        const std::vector<double>& slack, bool enforce) {
   Program program(context, "pair rows", {"radiosity/pair_rows.cl"}, {});
   Enforcement result;
-  std::vector<bool> closed = closed_sides;
+  std::vector<bool> closed(slack.size());
+  std::transform(slack.begin(), slack.end(), closed.begin(), [](double s) { return s >= 0.0; });
   result.scales.assign(mesh.side_count(), 1.0F);
   std::vector<std::uint32_t> rows;
   for (const FactorBlock& block : exchange.blocks) {
@@ -43,7 +43,7 @@ Enforcement scale_pairs(Context& context, const PatchMesh& mesh, FactorMatrix& e
                        static_cast<double>(mesh.normals[s / 2].w);
       excess = std::max(excess, f - 1.0);
       if (!closed[s]) continue;
-      if (sweep == 0 && std::abs(1.0 - f) > kFarOff) {
+      if (sweep == 0 && std::abs(1.0 - f) > slack[s]) {
         closed[s] = false;
         result.left_rows++;
         continue;

@@ -12,6 +12,10 @@ namespace {
 // Of the time that form factors take, the hemicubes' and the visibility's.
 constexpr double kCubesShare = 0.2, kVisibilityShare = 0.6;
 
+// How far a closed row may be off: of what partly hidden pairs exchange, a share for such pairs that were not found
+// out, which lie beside them; and what a row without any may lose to the rounding of planes.
+constexpr double kMissedShare = 0.05, kLeastSlack = 1e-3;
+
 class Maker {
  public:
   Maker(Context& context, Parallel& parallel, const PatchMesh& mesh, Hemicubes& hemicubes, const FactorOptions& options,
@@ -52,7 +56,7 @@ class Maker {
     if (options_.method == FormFactors::analytic) raw.blocks.clear();
     const PairSides sides(context_, mesh_, active);
     const PairVisibility visibility =
-        find_visibility(context_, parallel_, hemicubes_.scene(), hemicubes_.accel(), sides, options_.visibility,
+        find_visibility(context_, parallel_, mesh_, sides, options_.visibility,
                         [this](double f) { return go_on(kCubesShare + kVisibilityShare * f); });
     report_.visibility_ms = visibility.trace_ms;
     report_.sample_ms = visibility.sample_ms;
@@ -64,7 +68,8 @@ class Maker {
     report_.near_pairs = factors.near_pairs;
     report_.pairs = factors.matrix.entries() / 2;
     report_.pairs_ms = lap();
-    report_.enforcement = scale_pairs(context_, mesh_, factors.matrix, closed, options_.method == FormFactors::hybrid);
+    report_.enforcement = scale_pairs(context_, mesh_, factors.matrix, closed_slack(closed, factors, sides),
+                                      options_.method == FormFactors::hybrid);
     sum_errors(factors, sides);
     report_.enforce_ms = lap();
     return std::move(factors.matrix);
@@ -85,6 +90,20 @@ class Maker {
     PairFactors factors = make_pair_factors(context_, parallel_, sides, visibility, guards.watcher(), progress);
     report_.violations = guards.violations();
     return factors;
+  }
+
+  // A row counts as closed by what its side's middle sees. A side that another surface stands on may look out of the
+  // room elsewhere: then its sum differs by more than its pairs are uncertain by.
+  [[nodiscard]] std::vector<double> closed_slack(const std::vector<bool>& closed, const PairFactors& factors,
+                                                 const PairSides& sides) const {
+    std::vector<double> slack(closed.size(), -1.0);
+    for (std::uint32_t i = 0; i < sides.count; i++) {
+      const std::uint32_t side = sides.ids[i];
+      const RowSums& sums = factors.sums[i];
+      const double uncertain = sums.geometry + sums.sampling + kMissedShare * sums.visibility;
+      if (closed[side]) slack[side] = kLeastSlack + uncertain / static_cast<double>(mesh_.normals[side / 2].w);
+    }
+    return slack;
   }
 
   void sum_errors(const PairFactors& factors, const PairSides& sides) {

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "host/base/clock.hpp"
+#include "host/base/error.hpp"
 
 namespace hemiray {
 namespace {
@@ -10,9 +13,10 @@ namespace {
 constexpr std::uint64_t kDenseBytes = std::uint64_t{64} << 20U;
 constexpr std::uint32_t kFarColumns = 256;  // HR_FAR_COLUMNS of radiosity/pair_far.cl
 
-ProgramOptions near_options(const Context& context) {
+ProgramOptions wide_options(const Context& context, bool double_precision) {
   ProgramOptions options;
-  options.double_precision = context.device().has_fp64;
+  options.double_precision = double_precision;
+  if (context.profile().explicit_vectors == 0) options.defines = "-DHR_EXPLICIT_VECTORS=0";
   return options;
 }
 
@@ -21,9 +25,14 @@ ProgramOptions near_options(const Context& context) {
 PairFactors make_pair_factors(Context& context, Parallel& parallel, const PairSides& sides,
                               const PairVisibility& visibility, const PairWatcher& watcher,
                               const std::function<bool(double)>& on_progress) {
+  if (!context.device().has_fp64) {  // in single precision contours cancel: up to 2 % off, not HR_PAIR_FAR_ERROR
+    throw InputError("form factors", fmt::format("'{}' has no double precision, which pairs of close sides need; take "
+                                                 "--form-factors hemicube, or another device",
+                                                 context.device().name));
+  }
   const double start = steady_ms();
-  Program far(context, "far pairs", {"radiosity/pair_far.cl"}, {}),
-      near(context, "near pairs", {"radiosity/pair_near.cl"}, near_options(context)),
+  Program far(context, "far pairs", {"radiosity/pair_far.cl"}, wide_options(context, false)),
+      near(context, "near pairs", {"radiosity/pair_near.cl"}, wide_options(context, true)),
       rows(context, "pair rows", {"radiosity/pair_rows.cl"}, {});
   PairFactors result;
   result.matrix.side_count = static_cast<std::uint32_t>(sides.active.size());

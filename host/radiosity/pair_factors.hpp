@@ -37,7 +37,8 @@ struct PairFactors {
 };
 
 /// Rows of all these sides. Symmetric to the bit: A_i F_ij = A_j F_ji. Quadrature is off by HR_PAIR_FAR_ERROR at most,
-/// relative. `on_progress` gets the fraction done; returning false leaves the rest of the rows out. Throws DeviceError.
+/// relative. `on_progress` gets the fraction done; returning false leaves the rest of the rows out. Throws DeviceError,
+/// InputError for a device without double precision.
 PairFactors make_pair_factors(Context& context, Parallel& parallel, const PairSides& sides,
                               const PairVisibility& visibility, const PairWatcher& watcher = {},
                               const std::function<bool(double)>& on_progress = {});

@@ -10,9 +10,9 @@
 namespace hemiray {
 
 struct VisibilityOptions {
-  std::uint32_t few = 16;    ///< rays of each pair that may be partly hidden; at least 1
-  std::uint32_t many = 256;  ///< at most, fourfold each time, where these disagree; at least `few`
-  double accuracy = 0.04;  ///< of a row's share of one pair, 1 / rows: a pair whose error makes less gets no more rays
+  std::uint32_t few = 16;     ///< rays of each pair with something between, in whole vectors; at least 1
+  std::uint32_t many = 1024;  ///< at most, fourfold each time; at least `few`
+  double accuracy = 0.001;    ///< a pair gets more rays while one brings the two rows nearer by more than this / rows
   std::uint32_t seed = 0;
 };
 
@@ -21,17 +21,16 @@ struct PairVisibility {
   Buffer<std::uint32_t> starts, columns;   ///< partial pairs i < j, by number
   Buffer<float> shares, errors;            ///< of their exchange what gets through; its standard error
   std::uint32_t pairs = 0;                 ///< partial ones
-  std::uint64_t rays = 0, pair_rays = 0;   ///< traced in all; of these, one a pair
+  std::uint64_t rays = 0, pair_rays = 0;   ///< in all; of these, one a pair from centroid to centroid
   double trace_ms = 0.0, sample_ms = 0.0;
 };
 
 /// A ray from centroid to centroid of each pair that face each other. A pair counts as partly hidden if another one of
 /// sides next to it (sharing an edge) got the other answer, if its sides are close for their size, or face each other
-/// only in part; then more rays tell how much is seen. The scene's triangles are the mesh's. `on_progress` gets the
-/// fraction done; returning false throws nothing and leaves the rest unseen. Throws DeviceError, also where bit
-/// matrices exceed the largest allocation.
-PairVisibility find_visibility(Context& context, Parallel& parallel, const DeviceScene& scene, const Accel& accel,
-                               const PairSides& sides, const VisibilityOptions& options,
-                               const std::function<bool(double)>& on_progress = {});
+/// only in part; then rays tested against what lies in its shaft tell how much is seen. Rays meet the mesh's blockers.
+/// `on_progress` gets the fraction done; returning false throws nothing and leaves the rest unseen. Throws DeviceError,
+/// also where bit matrices exceed the largest allocation.
+PairVisibility find_visibility(Context& context, Parallel& parallel, const PatchMesh& mesh, const PairSides& sides,
+                               const VisibilityOptions& options, const std::function<bool(double)>& on_progress = {});
 
 }  // namespace hemiray

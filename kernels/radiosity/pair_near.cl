@@ -2,17 +2,31 @@
 // the double integral along their contours (Sparrow 1963), A_i F_ij = 1 / (2 pi) sum of edges e.f int int ln r ds dt;
 // the inner integral in closed form, the outer by Gauss's rule on halves that shrink towards where it is not smooth.
 // `real` is double where the device has it: the sum cancels.
+#include "lib/accel_layout.h"
 #include "lib/vec.h"
 #include "shared/pair_types.h"
 
 #ifdef HR_DOUBLE
-typedef double8 real8;
-typedef long8 mask8;
 #define HR_CONTOUR_HALVINGS 14u
 #else
-typedef float8 real8;
-typedef int8 mask8;
 #define HR_CONTOUR_HALVINGS 8u
+#endif
+
+// As many of Gauss's nodes as one item does at once.
+#if !HR_EXPLICIT_VECTORS
+#define HR_Q 1u
+typedef real realq;
+static inline realq load_nodes(constant const real* p) { return *p; }
+static inline real sum_nodes(realq a) { return a; }
+#else
+#define HR_Q 8u
+#ifdef HR_DOUBLE
+typedef double8 realq;
+#else
+typedef float8 realq;
+#endif
+static inline realq load_nodes(constant const real* p) { return vload8(0, p); }
+static inline real sum_nodes(realq a) { return ((a.s0 + a.s1) + (a.s2 + a.s3)) + ((a.s4 + a.s5) + (a.s6 + a.s7)); }
 #endif
 
 #define HR_NEAR_COLUMNS 256u
@@ -62,20 +76,20 @@ constant real gauss_weights[8] = {REAL(0.05061426814518813), REAL(0.111190517226
                                   REAL(0.11119051722668723), REAL(0.05061426814518813)};
 
 // t (ln sqrt(t^2 + d^2) - 1), 0 at t = 0.
-static inline real8 log_part(real8 t, real8 d2) {
-  const real8 tiny = (real8)(REAL(1e-37));
+static inline realq log_part(realq t, realq d2) {
+  const realq tiny = (realq)(REAL(1e-37));
   return t * (REAL(0.5) * log(max(t * t + d2, tiny)) - 1);
 }
 
 // int ln |x - y| over the edge y from `start`, of that direction and length, for x on a line from the start of the
 // edge e at parameters s.
-static inline real8 inner_integral(real3 x0, real3 along, real8 s, real3 start, real3 direction, real length) {
-  const real8 x = (x0.x - start.x) + along.x * s, y = (x0.y - start.y) + along.y * s,
+static inline realq inner_integral(real3 x0, real3 along, realq s, real3 start, real3 direction, real length) {
+  const realq x = (x0.x - start.x) + along.x * s, y = (x0.y - start.y) + along.y * s,
               z = (x0.z - start.z) + along.z * s;
-  const real8 foot = x * direction.x + y * direction.y + z * direction.z;
-  const real8 px = x - foot * direction.x, py = y - foot * direction.y, pz = z - foot * direction.z;
-  const real8 d2 = px * px + py * py + pz * pz, d = sqrt(d2);
-  const real8 t0 = -foot, t1 = length - foot;
+  const realq foot = x * direction.x + y * direction.y + z * direction.z;
+  const realq px = x - foot * direction.x, py = y - foot * direction.y, pz = z - foot * direction.z;
+  const realq d2 = px * px + py * py + pz * pz, d = sqrt(d2);
+  const realq t0 = -foot, t1 = length - foot;
   return log_part(t1, d2) - log_part(t0, d2) + d * atan2(length * d, d2 + t0 * t1);
 }
 
@@ -89,7 +103,6 @@ static inline real distance_to_segment(real3 x, real3 start, real3 direction, re
 static real edge_integral(real3 a, real3 along, real length_a, real3 b, real3 direction, real length_b) {
   const real3 turned = cross3(along, direction);
   const bool parallel = dot3(turned, turned) < HR_PARALLEL_SINE2;
-  const real8 nodes = vload8(0, gauss_nodes), weights = vload8(0, gauss_weights);
   real sum = 0;
   uint at = 0, depth = 0;  // the interval [at, at + 1] / 2^depth
   for (;;) {
@@ -103,8 +116,12 @@ static real edge_integral(real3 a, real3 along, real length_a, real3 b, real3 di
       depth++;
       continue;
     }
-    const real8 terms = weights * inner_integral(a, along, begin + nodes * size, b, direction, length_b);
-    sum += size * (((terms.s0 + terms.s1) + (terms.s2 + terms.s3)) + ((terms.s4 + terms.s5) + (terms.s6 + terms.s7)));
+    real part = 0;
+    for (uint k = 0; k < 8; k += HR_Q) {
+      const realq s = begin + load_nodes(gauss_nodes + k) * size;
+      part += sum_nodes(load_nodes(gauss_weights + k) * inner_integral(a, along, s, b, direction, length_b));
+    }
+    sum += size * part;
     at++;
     while (depth > 0 && (at & 1u) == 0) {
       at >>= 1;

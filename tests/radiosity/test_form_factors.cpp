@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "tests/radiosity/pair_bench.hpp"
@@ -188,9 +189,7 @@ TEST_CASE("a plate in the way takes what brute force says, and the detector find
   const std::vector<FactorRow> rows = read_rows(test::factors_by(bench, mesh, options, report));
   const std::vector<FactorRow> open = test::unobstructed_exchange(bench, mesh);
   const PairSides sides(bench.context, mesh, test::fronts_of(mesh));
-  Hemicubes hemicubes(bench.context, bench.parallel, bench.builder, mesh, options.hemicube);
-  const PairVisibility visibility =
-      find_visibility(bench.context, bench.parallel, hemicubes.scene(), hemicubes.accel(), sides, options.visibility);
+  const PairVisibility visibility = find_visibility(bench.context, bench.parallel, mesh, sides, options.visibility);
   const std::vector<std::uint32_t> partial = visibility.partial.read();
   std::vector<reference::Corners> obstacles;  // the box's own faces; walls hide nothing in a convex room
   const PatchMesh whole = make_patch_mesh(flat, {100.0, 0, 0.0});
@@ -260,6 +259,35 @@ TEST_CASE("closed rooms with obstacles: rows almost sum to one, and do once clos
     }
   }
   CHECK(differ == 0);
+}
+
+// A patch of the floor that the box's foot cuts may have its middle under the box, and so look closed from there.
+TEST_CASE("rows of patches that something stands on are closed in a closed room alone") {
+  RadiosityBench bench;
+  for (const bool open : {false, true}) {
+    FlatScene flat = test::flat_without_materials();
+    const std::uint32_t grey = test::add_material(flat, Vec3(0.5F), Vec3(0.0F));
+    test::add_room(flat, Vec3(2.0F, 1.5F, 2.0F), grey);
+    if (open) {
+      flat.triangles.resize(flat.triangles.size() - 2);
+      flat.triangle_objects.resize(flat.triangles.size());
+    }
+    const std::ptrdiff_t bottom = static_cast<std::ptrdiff_t>(flat.triangles.size()) + 4;
+    add_box(flat, Vec3(0.53F, 0.0F, 1.03F), Vec3(1.13F, 0.87F, 1.71F), grey);
+    flat.triangles.erase(flat.triangles.begin() + bottom, flat.triangles.begin() + bottom + 2);
+    flat.triangle_objects.resize(flat.triangles.size());
+    const PatchMesh mesh = make_patch_mesh(flat, {0.0, 900, 0.0});
+    FactorReport report;
+    const FactorOptions options = test::hybrid();
+    Hemicubes hemicubes(bench.context, bench.parallel, bench.builder, mesh, options.hemicube);
+    std::vector<std::uint32_t> sides(mesh.side_count());  // a floor patch's middle under the box sees backs
+    std::iota(sides.begin(), sides.end(), 0U);
+    make_form_factors_of(bench.context, bench.parallel, mesh, hemicubes, sides, options, report);
+    const Enforcement& e = *report.enforcement;
+    CAPTURE(open, e.closed_rows, e.left_rows, e.closure_before, e.mean_before);
+    CHECK((e.left_rows > 0) == open);
+    CHECK(e.closure_before < 0.05);
+  }
 }
 
 // A flat triangle's normal points at the sphere's middle from its circumcentre, not its centroid: a patch is tilted,
