@@ -10,8 +10,13 @@ namespace hemiray::app {
 
 std::string factor_table(const RadiosityStatistics& s) {
   const FactorReport& r = s.factors;
-  std::string text = fmt::format("form factors  {} rows, {} entries in {}; {} rays, {:.2f} s, {:.1f} Mrays/s\n", s.rows,
-                                 s.entries, format_bytes(s.factor_bytes), s.rays, 1e-3 * s.factors_ms,
+  if (s.kept_rows == s.rows && s.rays == 0) {
+    return fmt::format("form factors  {} rows, {} entries in {}, all from the file\n", s.rows, s.entries,
+                       format_bytes(s.factor_bytes));
+  }
+  const std::string kept = s.kept_rows > 0 ? fmt::format(" ({} from the file)", s.kept_rows) : "";
+  std::string text = fmt::format("form factors  {} rows{}, {} entries in {}; {} rays, {:.2f} s, {:.1f} Mrays/s\n",
+                                 s.rows, kept, s.entries, format_bytes(s.factor_bytes), s.rays, 1e-3 * s.factors_ms,
                                  1e-3 * static_cast<double>(s.rays) / std::max(s.factors_ms, 1e-9));
   if (!r.enforcement) return text;
   text += fmt::format("  pairs       {} exchange light: {} close or cut, {} partly hidden\n", r.pairs, r.near_pairs,

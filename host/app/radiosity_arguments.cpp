@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "host/app/factor_report.hpp"
+#include "host/base/atomic_file.hpp"
 #include "host/base/error.hpp"
 #include "host/base/numbers.hpp"
 
@@ -26,6 +30,32 @@ std::uint32_t divisions_of(std::uint32_t points) {
 CLI::Option* add_to_group(RadiosityArguments& a, CLI::Option* option) {
   a.given.push_back(option);
   return option->group("Radiosity");
+}
+
+KeepOptions to_keep_options(const RadiosityArguments& a, const std::vector<std::string>& others) {
+  if (!a.save.empty() && !a.resume.empty()) {
+    throw InputError("--save", "does not go with --resume, which keeps in its own file; leave one of the two out");
+  }
+  const char* option = a.save.empty() ? "--resume" : "--save";
+  const KeepOptions keep{a.save.empty() ? a.resume : a.save, a.save.empty(), a.keep_every};
+  if (keep.file.empty()) return keep;
+  std::error_code error;
+  const bool there = std::filesystem::exists(keep.file, error);
+  if (!there && keep.resume) {
+    throw InputError(option, fmt::format("there is no file '{}'; --save {} begins one", keep.file, keep.file));
+  }
+  if (there && !keep.resume) {
+    throw InputError(option, fmt::format("'{}' is there already; go on from it with --resume {}, or remove it",
+                                         keep.file, keep.file));
+  }
+  const auto resolved = [&error](const std::string& file) { return std::filesystem::weakly_canonical(file, error); };
+  for (const std::string& other : others) {
+    if (!other.empty() && resolved(other) == resolved(keep.file)) {
+      throw InputError(option, fmt::format("'{}' is for something else, too; name another file", keep.file));
+    }
+  }
+  check_writable(keep.file);
+  return keep;
 }
 
 }  // namespace
@@ -80,6 +110,15 @@ void add_radiosity_options(CLI::App& command, RadiosityArguments& a) {
       ->capture_default_str();
   add(command.add_option("--iterations", a.iterations, "Iterations, at most"))->capture_default_str();
   add(command.add_option("--time", a.seconds, "Seconds to solve for, at most"));
+  add(command.add_option("--save", a.save,
+                         "Keep what is computed in this file, to go on from with --resume: mesh, form factors, "
+                         "solution"));
+  add(command.add_option("--resume", a.resume,
+                         "Go on from a file of --save, of the same scene and options, and keep in it; the same bits "
+                         "come out. One that is finished is shown at once"));
+  add(command.add_option("--save-every", a.keep_every, "Seconds between writes of that file, at least"))
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
   add(command.add_option("--display", a.display, "Light interpolated between vertices, or constant on each patch"))
       ->check(CLI::IsMember({"smooth", "flat"}))
       ->capture_default_str();
@@ -89,7 +128,7 @@ void add_radiosity_options(CLI::App& command, RadiosityArguments& a) {
       ->capture_default_str();
 }
 
-RadiosityOptions to_radiosity_options(const RadiosityArguments& a) {
+RadiosityOptions to_radiosity_options(const RadiosityArguments& a, const std::vector<std::string>& others) {
   const auto positive = [](const char* option, double value, bool zero_too) {
     if (!std::isfinite(value) || value < 0.0 || (value == 0.0 && !zero_too)) {
       throw InputError(option, fmt::format("{} is out of range; it must be a positive number", value));
@@ -135,7 +174,14 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a) {
   options.solve.tolerance = a.tolerance;
   options.solve.iterations = a.iterations;
   options.solve.seconds = a.seconds;
+  options.keep = to_keep_options(a, others);
   return options;
+}
+
+void tell_kept(const RadiosityOptions& options) {
+  if (options.keep.file.empty()) return;
+  fmt::print(stderr, "hemiray: what was computed is in {}; --resume {} goes on\n", options.keep.file,
+             options.keep.file);
 }
 
 DisplayOptions to_display_options(const RadiosityArguments& a) { return {a.display == "smooth", a.crease}; }
@@ -180,6 +226,7 @@ std::string radiosity_json(const Radiosity& r) {
   json["edge_m"] = r.mesh.edge_m;
   json["chord_m"] = r.mesh.chord_m;
   json["rows"] = s.rows;
+  json["kept_rows"] = s.kept_rows;
   json["entries"] = s.entries;
   json["factor_bytes"] = s.factor_bytes;
   json["rays"] = s.rays;

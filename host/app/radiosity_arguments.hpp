@@ -14,8 +14,9 @@ namespace hemiray::app {
 struct RadiosityArguments {
   std::uint32_t patches = 4000, resolution = 0, points = 1, iterations = 10000, seed = 0, shots = 16,
                 residual_samples = 4096, pair_rays = 256;
-  double edge = 0.0, chord = 0.0, tolerance = 1e-4, seconds = 0.0, crease = 20.0, factor_mib = 0.0;
-  std::string form_factors = "hybrid", solver = "auto", pick = "power", display = "smooth", cells = "turned";
+  double keep_every = 30.0, edge = 0.0, chord = 0.0, tolerance = 1e-4, seconds = 0.0, crease = 20.0, factor_mib = 0.0;
+  std::string form_factors = "hybrid", solver = "auto", pick = "power", display = "smooth", cells = "turned", save,
+              resume;
   std::vector<CLI::Option*> given;  ///< all of them: to tell whether one was used
 };
 
@@ -24,8 +25,11 @@ void add_mesh_options(CLI::App& command, RadiosityArguments& arguments);
 /// These, and those of solution and display.
 void add_radiosity_options(CLI::App& command, RadiosityArguments& arguments);
 
-/// Throws InputError for values out of range.
-RadiosityOptions to_radiosity_options(const RadiosityArguments& arguments);
+/// Throws InputError for values out of range, and for a file to save in that is there, cannot be written or is one of
+/// `others`, which are read or written, too.
+RadiosityOptions to_radiosity_options(const RadiosityArguments& arguments, const std::vector<std::string>& others = {});
+/// Says on stderr, after an interrupt, where what was computed is.
+void tell_kept(const RadiosityOptions& options);
 DisplayOptions to_display_options(const RadiosityArguments& arguments);
 
 /// A few lines: mesh, form factors, solution, times.

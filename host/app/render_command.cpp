@@ -35,6 +35,8 @@ constexpr const char* kExamples = R"(Examples:
   hemiray render scene.obj -o out.exr --device gpu --trace trace.json
   hemiray render model.ply -o out.exr --accel octree --triangle fast
   hemiray render scenes/cornell_box.json -o cornell.exr --method radiosity --patches 10000
+  hemiray render room.json -o a.exr --method radiosity --save room.solution      solves, and keeps what is computed
+  hemiray render room.json -o b.exr --method radiosity --resume room.solution    goes on, or shows it, from elsewhere, too
   hemiray render scene.gltf -o out.exr --device all      every device, tiles by what each delivers
   hemiray render scene.gltf -o out.exr --device cpu,1    these two
   hemiray render scene.gltf -o out.exr --device split:2  one device as two sub-devices
@@ -197,7 +199,7 @@ struct LitScene {
 
 LitScene solve_light(const RenderArguments& given, const Scene& scene, const DeviceInfo& device,
                      const InterruptGuard& interrupt) {
-  RadiosityOptions options = to_radiosity_options(given.radiosity);
+  RadiosityOptions options = to_radiosity_options(given.radiosity, {given.scene, given.output, given.png, given.trace});
   options.factors.hemicube.seed = options.factors.visibility.seed = given.seed;
   Progress progress("form factors", !given.quiet);
   options.on_progress = [&](const std::string&, double fraction) {
@@ -208,6 +210,7 @@ LitScene solve_light(const RenderArguments& given, const Scene& scene, const Dev
   Context context(device);
   LitScene lit;
   lit.radiosity = compute_radiosity(context, flatten_scene(scene), options);
+  if (interrupt.interrupted()) tell_kept(options);
   lit.patches = lit_patches(lit.radiosity.mesh, lit.radiosity.irradiance, to_display_options(given.radiosity));
   return lit;
 }

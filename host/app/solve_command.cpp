@@ -20,9 +20,12 @@ constexpr const char* kExamples = R"(Examples:
   hemiray solve scenes/cornell_box.json -o cornell.glb                  walk around in any glTF viewer
   hemiray solve room.json -o room.glb --patches 20000 --points 4 --json > room.stats.json
   hemiray solve room.json -o room.glb --edge 0.05 --solver jacobi --tolerance 1e-6
+  hemiray solve room.json -o room.glb --patches 50000 --save room.solution      killed, or the machine fails; then
+  hemiray solve room.json -o room.glb --patches 50000 --resume room.solution    goes on: the same bits
 
 The file holds the patches that light comes to, unlit, with the radiosity of every corner: exposed as COLOR_0, and in
-W/m^2 as _RADIOSITY. Interrupt (Ctrl-C) ends the solution, writes what is there and exits with 130.)";
+W/m^2 as _RADIOSITY. Interrupt (Ctrl-C) ends the solution, writes what is there and exits with 130. A file of --save is
+for render --method radiosity, too, with the same options of radiosity.)";
 
 struct SolveArguments {
   std::string scene, output, device;
@@ -32,7 +35,7 @@ struct SolveArguments {
 };
 
 int run_solve(const SolveArguments& given) {
-  RadiosityOptions options = to_radiosity_options(given.radiosity);
+  RadiosityOptions options = to_radiosity_options(given.radiosity, {given.scene, given.output});
   if (!given.output.ends_with(".glb")) {
     throw InputError("--output", fmt::format("'{}' does not end in .glb", given.output));
   }
@@ -60,7 +63,10 @@ int run_solve(const SolveArguments& given) {
     std::fputs(radiosity_table(radiosity).c_str(), stdout);
     fmt::print("wrote         {} (radiosities times {:.4g})\n", given.output, facts.exposure);
   }
-  return static_cast<int>(interrupt.interrupted() ? ExitCode::interrupted : ExitCode::ok);
+  if (!interrupt.interrupted()) return static_cast<int>(ExitCode::ok);
+  fmt::print(stderr, "hemiray: interrupted; wrote {} as far as it got\n", given.output);
+  tell_kept(options);
+  return static_cast<int>(ExitCode::interrupted);
 }
 
 }  // namespace

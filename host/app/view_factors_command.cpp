@@ -28,7 +28,7 @@ constexpr const char* kExamples = R"(Examples:
   hemiray view-factors parts.obj -o F.vf --view3d-input parts.vs3      View3D's output file, and its input to compare
 
 Areas are the file's objects ('g' and 'o' of OBJ), by name. Fronts (counter-clockwise) send and take light, backs only
-stop it.)";
+stop it. Interrupt (Ctrl-C) writes nothing: every factor between areas is a sum over all rows.)";
 
 struct FactorArguments {
   std::string scene, output, view3d_input, device;
@@ -126,7 +126,9 @@ int run_view_factors(const FactorArguments& given) {
       });
   progress.finish();
   if (interrupt.interrupted()) {
-    fmt::print(stderr, "hemiray: interrupted; rows are missing, so nothing is written\n");
+    fmt::print(stderr,
+               "hemiray: interrupted: no factor between areas was computed whole, each is a sum over all rows; nothing "
+               "is written\n");
     return static_cast<int>(ExitCode::interrupted);
   }
   const ViewFactors factors = view_factors(mesh, groups, read_rows(matrix));

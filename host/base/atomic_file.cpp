@@ -92,73 +92,60 @@ Destination examine(const fs::path& path) {
   return destination;
 }
 
-/// A fresh file in the destination's folder, closed and removed on destruction unless it was renamed.
-class TemporaryFile {
- public:
-  TemporaryFile(const fs::path& path, const Destination& destination) : path_(path) {
-    static std::atomic<unsigned> counter{0};
-    for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
-      const std::string name = ".hemiray-" + std::to_string(getpid()) + "-" + std::to_string(counter++) + ".tmp";
-      name_ = folder_of(destination.file) / name;
-      descriptor_ = open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode);
-      if (descriptor_ >= 0) break;
-      if (errno != EEXIST) throw_system_error(path, "cannot write in its folder", errno);
-    }
-    if (descriptor_ < 0) throw_system_error(path, "cannot write in its folder", EEXIST);
-    if (destination.exists) static_cast<void>(fchmod(descriptor_, destination.mode));  // not all file systems can
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (descriptor_ >= 0) close(descriptor_);
-    if (!renamed_) unlink(name_.c_str());
-  }
-
-  void write_all(std::span<const std::uint8_t> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t count = ::write(descriptor_, bytes.data(), std::min(bytes.size(), kWriteChunk));
-      if (count < 0) {
-        if (errno == EINTR) continue;
-        throw_system_error(path_, "cannot write", errno);
-      }
-      bytes = bytes.subspan(static_cast<std::size_t>(count));
-    }
-  }
-
-  void rename_to(const fs::path& file) {
-    // EINVAL: the file system has nothing to sync.
-    if (fsync(descriptor_) != 0 && errno != EINVAL) throw_system_error(path_, "cannot write", errno);
-    const int descriptor = descriptor_;
-    descriptor_ = -1;
-    if (close(descriptor) != 0 && errno != EINTR) throw_system_error(path_, "cannot write", errno);
-    if (std::rename(name_.c_str(), file.c_str()) != 0) throw_system_error(path_, "cannot rename", errno);
-    renamed_ = true;
-  }
-
- private:
-  fs::path path_;  // as the user wrote it, for messages
-  fs::path name_;
-  int descriptor_ = -1;
-  bool renamed_ = false;
-};
-
 }  // namespace
 
-void write_file_atomically(const fs::path& path, std::span<const std::uint8_t> bytes) {
+AtomicFile::AtomicFile(const fs::path& path) : path_(path) {
   const Destination destination = examine(path);
-  TemporaryFile temporary(path, destination);
-  temporary.write_all(bytes);
-  temporary.rename_to(destination.file);
+  target_ = destination.file;
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    const std::string name = ".hemiray-" + std::to_string(getpid()) + "-" + std::to_string(counter++) + ".tmp";
+    name_ = folder_of(target_) / name;
+    descriptor_ = open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode);
+    if (descriptor_ >= 0) break;
+    if (errno != EEXIST) throw_system_error(path, "cannot write in its folder", errno);
+  }
+  if (descriptor_ < 0) throw_system_error(path, "cannot write in its folder", EEXIST);
+  if (destination.exists) static_cast<void>(fchmod(descriptor_, destination.mode));  // not all file systems can
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+  if (!renamed_) unlink(name_.c_str());
+}
+
+void AtomicFile::write(std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor_, bytes.data(), std::min(bytes.size(), kWriteChunk));
+    if (count < 0) {
+      if (errno == EINTR) continue;
+      throw_system_error(path_, "cannot write", errno);
+    }
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+}
+
+void AtomicFile::commit() {
+  // EINVAL: the file system has nothing to sync.
+  if (fsync(descriptor_) != 0 && errno != EINVAL) throw_system_error(path_, "cannot write", errno);
+  const int descriptor = descriptor_;
+  descriptor_ = -1;
+  if (close(descriptor) != 0 && errno != EINTR) throw_system_error(path_, "cannot write", errno);
+  if (std::rename(name_.c_str(), target_.c_str()) != 0) throw_system_error(path_, "cannot rename", errno);
+  renamed_ = true;
+}
+
+void write_file_atomically(const fs::path& path, std::span<const std::uint8_t> bytes) {
+  AtomicFile file(path);
+  file.write(bytes);
+  file.commit();
 }
 
 void write_file_atomically(const fs::path& path, std::string_view text) {
   write_file_atomically(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
 }
 
-void check_writable(const fs::path& path) {
-  const Destination destination = examine(path);
-  // Permission bits do not tell everything (read-only mounts, root, access lists): try it.
-  const TemporaryFile probe(path, destination);
-}
+// Permission bits do not tell everything (read-only mounts, root, access lists): try it.
+void check_writable(const fs::path& path) { const AtomicFile probe(path); }
 
 }  // namespace hemiray

@@ -8,11 +8,28 @@
 
 namespace hemiray {
 
-/// Writes `bytes` to a hidden temporary (".hemiray-<process>-<n>.tmp") in the folder of `path`, syncs it to disk and
-/// renames it to `path`: that name shows the old content or the new, never a part. A symbolic link is followed; the
-/// permissions of a file that is replaced are kept. On any failure the temporary is removed and `path` is left as it
-/// was. Throws InputError where the name cannot be written (as check_writable), DeviceError where the disk is full or
-/// fails.
+/// A hidden temporary (".hemiray-<process>-<n>.tmp") in the folder of `path`, which commit() syncs to disk and renames
+/// to `path`: that name shows the old content or the new, never a part. A symbolic link is followed; the permissions of
+/// a file that is replaced are kept. Without commit() the temporary is removed and `path` is left as it was. Members
+/// throw InputError where the name cannot be written (as check_writable), DeviceError where the disk is full or fails.
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::filesystem::path& path);
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile();
+  void write(std::span<const std::uint8_t> bytes);
+  /// To be called once, last.
+  void commit();
+
+ private:
+  std::filesystem::path path_;  ///< as the user wrote it, for messages
+  std::filesystem::path target_, name_;
+  int descriptor_ = -1;
+  bool renamed_ = false;
+};
+
+/// All of a file at once.
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 void write_file_atomically(const std::filesystem::path& path, std::string_view text);
 

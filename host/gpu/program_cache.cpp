@@ -1,9 +1,7 @@
 #include "host/gpu/program_cache.hpp"
 
-#include <openssl/evp.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <fstream>
@@ -12,21 +10,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/base/sha256.hpp"
+
 namespace hemiray {
 namespace {
 
 // Layout of an entry: this line, SHA-256 of key and rest (hex), newline, JSON of argument names, newline, binary.
 constexpr std::string_view kMagic = "hemiray program 1\n";
 constexpr std::size_t kHashLength = 64;
-
-std::string sha256(std::string_view text) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int length = 0;
-  EVP_Digest(text.data(), text.size(), digest.data(), &length, EVP_sha256(), nullptr);
-  std::string hex;
-  for (unsigned int i = 0; i < length; i++) hex += fmt::format("{:02x}", digest[i]);
-  return hex;
-}
 
 // Ties an entry to its key, so that a renamed one is refused.
 std::string entry_hash(const std::string& key, std::string_view body) { return sha256(key + std::string(body)) + '\n'; }

@@ -129,9 +129,27 @@ void Hemicubes::add_rows(std::span<const std::uint32_t> sides, FactorMatrix& mat
   }
 }
 
+// As add_rows(), for rows that are there.
+void Hemicubes::take_rows(std::span<const std::uint32_t> sides, const FactorBlock& block) {
+  if (!std::ranges::equal(sides, block.rows.read())) throw InputError("form factors are of other sides");
+  std::vector<std::uint32_t> reached = reached_.read();
+  for (const std::uint32_t side : block.columns.read()) reached.at(side) = 1;
+  reached_.write(reached);
+  rows_made_ += block.row_count;
+  entries_ += block.entries;
+}
+
 FactorMatrix Hemicubes::rows_reached_from(std::span<const std::uint32_t> sources,
                                           const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress) {
   FactorMatrix matrix;
+  add_rows_reached_from(sources, matrix, on_progress);
+  return matrix;
+}
+
+void Hemicubes::add_rows_reached_from(std::span<const std::uint32_t> sources, FactorMatrix& matrix,
+                                      const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress) {
+  const std::size_t kept = matrix.blocks.size();
+  std::size_t block = 0;
   matrix.side_count = mesh_->side_count();
   // By face and side of it: a face is taken whole.
   std::vector<std::array<bool, 2>> wanted(mesh_->face_count, {false, false}), done = wanted;
@@ -148,16 +166,21 @@ FactorMatrix Hemicubes::rows_reached_from(std::span<const std::uint32_t> sources
     const std::uint32_t step = rows_a_batch();
     for (std::size_t first = 0; first < next.size(); first += step) {
       const std::size_t count = std::min<std::size_t>(step, next.size() - first);
-      add_rows(std::span(next).subspan(first, count), matrix);
+      const auto part = std::span(next).subspan(first, count);
+      if (block < kept) {
+        take_rows(part, matrix.blocks[block]);
+      } else {
+        add_rows(part, matrix);
+      }
+      block++;
       rows_done += count;
-      if (on_progress && !on_progress(rows_done, rows_done + next.size() - first - count)) return matrix;
+      if (on_progress && !on_progress(rows_done, rows_done + next.size() - first - count)) return;
     }
     const std::vector<std::uint32_t> reached = reached_.read();
     for (std::uint32_t side = 0; side < mesh_->side_count(); side++) {
       if (reached[side] != 0) wanted[mesh_->faces[side / 2]][side % 2] = true;
     }
   }
-  return matrix;
 }
 
 }  // namespace hemiray

@@ -42,6 +42,11 @@ class Hemicubes {
   FactorMatrix rows_reached_from(std::span<const std::uint32_t> sources,
                                  const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress = {});
 
+  /// The same as further blocks of `matrix`, whose blocks, if it has any, are the first that this would make. Throws
+  /// InputError where they are not.
+  void add_rows_reached_from(std::span<const std::uint32_t> sources, FactorMatrix& matrix,
+                             const std::function<bool(std::uint64_t, std::uint64_t)>& on_progress = {});
+
   [[nodiscard]] std::uint64_t rays_traced() const { return rays_; }
   [[nodiscard]] std::uint64_t rows_made() const { return rows_made_; }
   [[nodiscard]] std::uint64_t entries_made() const { return entries_; }
@@ -51,6 +56,7 @@ class Hemicubes {
  private:
   [[nodiscard]] std::uint64_t cells() const;
   [[nodiscard]] std::uint32_t rows_a_batch() const;
+  void take_rows(std::span<const std::uint32_t> sides, const FactorBlock& block);
 
   Context* context_;
   Parallel* parallel_;

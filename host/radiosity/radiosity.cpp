@@ -10,6 +10,7 @@
 #include "host/base/numbers.hpp"
 #include "host/bvh/ray_queries.hpp"
 #include "host/radiosity/factor_memory.hpp"
+#include "host/radiosity/solution_key.hpp"
 #include "host/scene/features.hpp"
 
 namespace hemiray {
@@ -60,17 +61,18 @@ std::array<double, 3> rgb(const shared::float4& v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
 }
 
-// All rows that light reaches; or none, where they would take more than their memory.
+// All rows that light reaches, those that `matrix` has first; or none, where they would take more than their memory.
 FactorMatrix stored_factors(Context& context, Hemicubes& hemicubes, const PatchMesh& mesh,
                             const std::vector<std::uint32_t>& sources, const RadiosityOptions& options,
-                            RadiosityStatistics& statistics) {
+                            FactorMatrix matrix, SolutionFile& file, RadiosityStatistics& statistics) {
   statistics.factor_bytes_at_most = most_factor_bytes(mesh, options.factors.hemicube);
-  FactorMatrix matrix = hemicubes.rows_reached_from(sources, [&](std::uint64_t done, std::uint64_t known) {
+  hemicubes.add_rows_reached_from(sources, matrix, [&](std::uint64_t done, std::uint64_t known) {
     statistics.expected_factor_bytes = expected_factor_bytes(hemicubes.entries_made(), done, known);
     if (statistics.expected_factor_bytes > statistics.factor_limit) return false;
     const bool go_on = !options.on_progress ||
                        options.on_progress("form factors", static_cast<double>(done) / static_cast<double>(known));
     statistics.interrupted |= !go_on;
+    file.offer(!go_on, FactorStage::some, statistics.expected_factor_bytes, matrix, {});
     return go_on;
   });
   context.finish();  // before rows go
@@ -136,6 +138,9 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   };
   result.mesh = make_patch_mesh(flat, options.mesh);
   PatchMesh& mesh = result.mesh;
+  SolutionFile file(context, options.keep, solution_key(context, flat, options), mesh);
+  SolutionState kept = file.take_state();
+  statistics.kept_rows = kept.factors.rows();
   statistics.mesh_ms = lap();
 
   statistics.factor_limit = options.factor_bytes > 0 ? options.factor_bytes : factor_memory_limit(context);
@@ -155,9 +160,11 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   context.finish();
   statistics.tree_ms = lap();
 
+  statistics.expected_factor_bytes = kept.expected_factor_bytes;
   const FactorMatrix matrix =
-      factors.method == FormFactors::hemicube
-          ? stored_factors(context, hemicubes, mesh, sources, options, statistics)
+      kept.stage != FactorStage::some ? std::move(kept.factors)
+      : factors.method == FormFactors::hemicube
+          ? stored_factors(context, hemicubes, mesh, sources, options, std::move(kept.factors), file, statistics)
           : paired_factors(context, parallel, hemicubes, mesh, sources, factors, options, statistics);
   const bool on_demand = statistics.expected_factor_bytes > statistics.factor_limit;
   context.finish();
@@ -166,13 +173,21 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   statistics.entries = matrix.entries();
   statistics.rows = matrix.rows();
 
+  SolveOptions solve = options.solve;
+  solve.continue_from = std::move(kept.solver);
+  if (!statistics.interrupted) {  // else rows are missing
+    solve.offer_state = [&](bool must, const std::function<std::vector<std::uint8_t>()>& state) {
+      file.offer(must, on_demand ? FactorStage::on_demand : FactorStage::all, statistics.expected_factor_bytes, matrix,
+                 state);
+    };
+  }
   if (on_demand) {
     const std::uint64_t rows = hemicubes.rows_made(), entries = hemicubes.entries_made();
-    result.solution = solve_on_demand(context, hemicubes, mesh, options.solve);
+    result.solution = solve_on_demand(context, hemicubes, mesh, solve);
     statistics.rows = hemicubes.rows_made() - rows;
     statistics.entries = hemicubes.entries_made() - entries;
   } else {
-    result.solution = solve_radiosity(context, mesh, matrix, options.solve);
+    result.solution = solve_radiosity(context, mesh, matrix, solve);
   }
   statistics.rays = hemicubes.rays_traced() + statistics.factors.pair_rays + statistics.factors.sample_rays;
   statistics.solve_ms = lap();

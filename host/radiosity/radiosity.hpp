@@ -12,6 +12,7 @@
 #include "host/radiosity/form_factors.hpp"
 #include "host/radiosity/hemicubes.hpp"
 #include "host/radiosity/patch_mesh.hpp"
+#include "host/radiosity/solution_file.hpp"
 #include "host/radiosity/solver.hpp"
 
 namespace hemiray {
@@ -20,16 +21,18 @@ struct RadiosityOptions {
   PatchOptions mesh;
   FactorOptions factors;
   SolveOptions solve;
-  std::uint64_t factor_bytes = 0;         ///< for form factors, at most; 0: most of what is free on the device
+  std::uint64_t factor_bytes = 0;  ///< for form factors, at most; 0: most of what is free on the device
+  KeepOptions keep;
   std::uint32_t residual_samples = 4096;  ///< points at which the equation of light is tried; 0: none
   std::function<bool(const std::string& step, double fraction)> on_progress;  ///< returning false ends the step early
 };
 
 struct RadiosityStatistics {
   double mesh_ms = 0.0, tree_ms = 0.0, factors_ms = 0.0, solve_ms = 0.0;
-  std::uint64_t rays = 0;     ///< through cells of hemicubes and between pairs
-  std::uint64_t rows = 0;     ///< sides that light comes to, or rows computed on demand
-  std::uint64_t entries = 0;  ///< factors that are not zero, in them
+  std::uint64_t rays = 0;       ///< through cells of hemicubes and between pairs
+  std::uint64_t rows = 0;       ///< sides that light comes to, or rows computed on demand
+  std::uint64_t kept_rows = 0;  ///< of them, those that a file had
+  std::uint64_t entries = 0;    ///< factors that are not zero, in them
   std::uint64_t factor_bytes = 0, peak_bytes = 0;
   std::uint64_t factor_limit = 0;           ///< for factors, bytes
   std::uint64_t factor_bytes_at_most = 0;   ///< bound before any row was known
@@ -54,8 +57,9 @@ struct Radiosity {
 /// Meshes the scene, computes form factors for all sides that light reaches, and solves. Lights that are no surfaces
 /// come in as rho times the irradiance they bring. Where the factors would take more than their memory, which is known
 /// from the first rows before the others are computed, southwell solves without a matrix; InputError if another solver
-/// is asked for. Throws InputError for what cannot be meshed or solved, DeviceError if the device fails or is too
-/// small.
+/// is asked for. `keep` has a file written at the start, between batches of hemicubes' rows (factors pair by pair are
+/// kept once they are whole), between iterations, on interrupt and at the end; from it the same bits come out. Throws
+/// InputError for what cannot be meshed or solved, DeviceError if the device fails or is too small.
 Radiosity compute_radiosity(Context& context, const FlatScene& flat, const RadiosityOptions& options);
 
 }  // namespace hemiray

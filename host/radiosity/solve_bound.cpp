@@ -66,6 +66,12 @@ SolveStep SolveBound::judge(const SolverState& state) {
   return step;
 }
 
+void SolveBound::exchange(Archive& archive) {
+  archive.list(weights_);
+  archive.list(margins_);
+  archive.value(ratio_);
+}
+
 std::vector<double> SolveBound::of_sides() const {
   std::vector<double> bounds(sides_, kInfinite);
   for (std::size_t s = 0; s < weights_.size(); s++)

@@ -12,6 +12,8 @@ class SolveBound {
   /// Largest residual and bound of a state; infinite while no w is certified.
   SolveStep judge(const SolverState& state);
 
+  void exchange(Archive& archive);
+
   /// Of each side, for the state judged last.
   [[nodiscard]] std::vector<double> of_sides() const;
 

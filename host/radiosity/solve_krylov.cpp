@@ -102,6 +102,12 @@ class ConjugateGradients final : public Krylov<Real> {
     Base::set_weights(weights);
   }
 
+  void exchange(Archive& archive) override {
+    for (auto* vector : {&system_.radiosity, &residual_, &direction_}) hemiray::exchange(archive, *vector);
+    archive.value(square_);
+    archive.value(since_start_);
+  }
+
   void step() override {
     if (since_start_ == 0) {
       system_.find_residual();
@@ -144,6 +150,20 @@ class Gmres final : public Krylov<Real> {
     for (std::size_t s = 0; s < weights.size(); s++) weights[s].v[0] = Real(mesh.normals[s / 2].w);
     for (Real4<Real>& w : weights) w = {{w.v[0], w.v[0], w.v[0], w.v[0]}};
     Base::set_weights(weights);
+  }
+
+  void exchange(Archive& archive) override {
+    for (auto* vector : {&system_.radiosity, &start_}) hemiray::exchange(archive, *vector);
+    archive.value(is_formed_);
+    archive.value(size_);
+    if (size_ >= Base::restart_) Archive::fail();
+    if (size_ == 0) return;
+    basis(size_);
+    for (std::size_t k = 0; k <= size_; k++) hemiray::exchange(archive, basis_[k]);
+    triangle_.resize(size_);
+    for (auto* scalars : {&right_, &cosines_, &sines_}) archive.list(*scalars);
+    for (std::vector<Scalars>& column : triangle_) archive.list(column);
+    if (right_.size() != size_ + 1 || cosines_.size() != size_ || sines_.size() != size_) Archive::fail();
   }
 
   void step() override {

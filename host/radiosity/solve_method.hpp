@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/base/archive.hpp"
 #include "host/radiosity/solver.hpp"
 
 namespace hemiray {
@@ -29,6 +30,8 @@ class SolveMethod {
   SolveMethod& operator=(SolveMethod&&) = delete;
   virtual ~SolveMethod() = default;
 
+  /// Writes, or reads, all that what follows depends on: steps after it give the same bits.
+  virtual void exchange(Archive& archive) = 0;
   /// One iteration.
   virtual void step() = 0;
   virtual SolverState state() = 0;

@@ -25,6 +25,12 @@ class Relaxation final : public SolveMethod {
     context.finish();
   }
 
+  void exchange(Archive& archive) override {
+    hemiray::exchange(archive, system_.radiosity);
+    hemiray::exchange(archive, system_.incident);
+    is_fresh_ = is_fresh_ && !archive.reads();
+  }
+
   void step() override {
     if (!jacobi_) {
       gauss_seidel();

@@ -43,6 +43,14 @@ class Shooting final : public SolveMethod {
     start();
   }
 
+  void exchange(Archive& archive) override {
+    for (Buffer<WideSum<Real>>* sums : {&radiosity_, &unshot_}) hemiray::exchange(archive, *sums);
+    hemiray::exchange(archive, incident_);
+    hemiray::exchange(archive, reached_);
+    archive.value(shots_);
+    archive.value(picks_weight_);
+  }
+
   void step() override {
     const std::vector<std::uint32_t> sides = pick();
     if (sides.empty()) return;

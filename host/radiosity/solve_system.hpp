@@ -45,6 +45,17 @@ constexpr double sum_rounding() {
   return sizeof(Real) == sizeof(double) ? 0x1p-52 : 0x1p-46;
 }
 
+/// A buffer's elements.
+template <typename T>
+void exchange(Archive& archive, Buffer<T>& buffer) {
+  std::vector<T> elements;
+  if (!archive.reads()) elements = buffer.read();
+  archive.list(elements);
+  if (!archive.reads()) return;
+  if (elements.size() != buffer.size()) Archive::fail();
+  buffer.write(elements);
+}
+
 /// The mesh's materials and areas as the solvers read them; w = the largest of the three colours.
 struct SideMaterials {
   SideMaterials(Context& context, const PatchMesh& mesh)

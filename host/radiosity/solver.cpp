@@ -45,30 +45,61 @@ void add_ambient(const PatchMesh& mesh, const SolverState& state, Solution& solu
 Solution iterate(const PatchMesh& mesh, SolveMethod& method, const SolveOptions& options) {
   Solution solution;
   solution.kind = options.kind;
-  const double start = steady_ms();
-  const auto seconds = [start] { return 1e-3 * (steady_ms() - start); };
+  std::vector<SolveStep>& history = solution.history;
   SolveBound bound;
+  std::uint32_t iteration = 0, until = 0;  // iterations done; when the bound is known next
+  const auto exchange = [&](Archive& archive) {
+    archive.value(iteration);
+    archive.value(until);
+    archive.list(history);
+    bound.exchange(archive);
+    method.exchange(archive);
+  };
+  if (!options.continue_from.empty()) {
+    Archive archive(options.continue_from);
+    exchange(archive);
+    archive.end();
+    if (until > 0 && history.empty()) Archive::fail();
+  }
+  const auto offer = [&](bool ends) {
+    if (!options.offer_state) return;
+    options.offer_state(ends, [&exchange] {
+      Archive archive;
+      exchange(archive);
+      return archive.take();
+    });
+  };
+  const double start = steady_ms() - (history.empty() ? 0.0 : 1e3 * history.back().seconds);
+  const auto seconds = [start] { return 1e-3 * (steady_ms() - start); };
   SolverState state;
   bool ended = false;
-  for (std::uint32_t iteration = 0;;) {
-    state = method.state();
-    SolveStep step = bound.judge(state);
-    step.iteration = iteration;
-    step.seconds = seconds();
-    solution.history.push_back(step);
-    solution.largest = 0.0;
-    for (const auto& b : state.radiosity) solution.largest = std::max({solution.largest, b[0], b[1], b[2]});
-    solution.converged = step.bound <= options.tolerance * solution.largest;
-    if (solution.converged || ended || iteration == options.iterations) break;
-    const std::uint32_t until = std::min(next_judged(iteration), options.iterations);
+  for (;;) {
     while (iteration < until && !ended) {
-      ended = (options.on_iteration && !options.on_iteration(iteration, step.bound)) ||
+      ended = (options.on_iteration && !options.on_iteration(iteration, history.back().bound)) ||
               (options.seconds > 0.0 && seconds() >= options.seconds);
+      offer(ended);
       if (ended) break;
       method.step();
       iteration++;
     }
-    if (ended && iteration == step.iteration) break;  // as judged
+    if (ended && !state.radiosity.empty() && iteration == history.back().iteration) break;  // as judged
+    state = method.state();
+    SolveStep step = bound.judge(state);
+    step.iteration = iteration;
+    step.seconds = seconds();
+    history.push_back(step);
+    solution.largest = 0.0;
+    for (const auto& b : state.radiosity) solution.largest = std::max({solution.largest, b[0], b[1], b[2]});
+    solution.converged = step.bound <= options.tolerance * solution.largest;
+    if (solution.converged || ended || iteration == options.iterations) break;
+    until = std::min(next_judged(iteration), options.iterations);
+  }
+  if (!ended) {
+    // As before the last state was judged: who goes on from here does that again, and is at the end.
+    const SolveStep last = history.back();
+    history.pop_back();
+    offer(true);
+    history.push_back(last);
   }
   solution.irradiance = method.irradiance();
   solution.bounds = bound.of_sides();

@@ -39,6 +39,10 @@ struct SolveOptions {
   std::uint32_t restart = 30;                               ///< iterations of gmres and cg between fresh residuals, > 0
   bool single_precision = false;                            ///< as on a device without double
   std::function<bool(std::uint32_t, double)> on_iteration;  ///< gets number and last bound; returning false ends it
+  /// Offered between iterations and, with `ends`, after the last one: `state` gives what a solver of the same system
+  /// with the same options takes as continue_from, to end with the same bits as one that was never stopped.
+  std::function<void(bool ends, const std::function<std::vector<std::uint8_t>()>& state)> offer_state;
+  std::vector<std::uint8_t> continue_from;  ///< empty: the start
 };
 
 /// What holds after an iteration. Not after each: what it costs to know stays a fraction of the iterations.
@@ -72,7 +76,7 @@ struct Solution {
 /// computed in double where the device has it, else in float-float, and what they may be rounded by is in the bound.
 /// Throws InputError with the side at fault where rho + tau >= 1, a factor is negative or no number, a row sum times
 /// rho (and tau) is 1 or more, or options are out of range; with advice where cg is asked for and factors are not
-/// symmetric to 1e-5 of the largest, or a side is translucent.
+/// symmetric to 1e-5 of the largest, or a side is translucent; where continue_from does not fit the system.
 Solution solve_radiosity(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix,
                          const SolveOptions& options = {});
 
