@@ -67,10 +67,11 @@ void add_mesh_options(CLI::App& command, RadiosityArguments& a) {
   add(command.add_option(
       "--chord", a.chord,
       "Largest distance of a tessellated round surface from the true one [m] (default: 1 % of its radius)"));
-  add(command.add_option("--form-factors", a.form_factors,
-                         "By hemicubes alone, pair by pair, or both: checked against each other, closed rows "
-                         "made to sum to one"))
-      ->check(CLI::IsMember({"hemicube", "analytic", "hybrid"}))
+  add(command.add_option(
+          "--form-factors", a.form_factors,
+          "By hemicubes alone (rays through their cells, or patches drawn on their faces), pair by pair, "
+          "or both: checked against each other, closed rows made to sum to one"))
+      ->check(CLI::IsMember({"hemicube", "raster", "analytic", "hybrid"}))
       ->capture_default_str();
   add(command.add_option("--pair-rays", a.pair_rays, "Rays between partly hidden pairs, at most; 16 to find which are"))
       ->check(CLI::Range(4, 4096))
@@ -157,18 +158,23 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a, const std::ve
   options.solve.pick = a.pick == "power" ? ShotPick::power : ShotPick::residual;
   options.factor_bytes = static_cast<std::uint64_t>(std::llround(a.factor_mib * kMebibyte));
   options.residual_samples = a.residual_samples;
-  options.factors.method = a.form_factors == "hemicube"   ? FormFactors::hemicube
+  const bool by_cubes = a.form_factors == "hemicube" || a.form_factors == "raster";
+  options.factors.method = by_cubes                       ? FormFactors::hemicube
                            : a.form_factors == "analytic" ? FormFactors::analytic
                                                           : FormFactors::hybrid;
   options.factors.visibility.few = std::min(options.factors.visibility.few, a.pair_rays);
   options.factors.visibility.many = a.pair_rays;
   options.factors.visibility.seed = a.seed;
   HemicubeOptions& hemicube = options.factors.hemicube;
-  const bool by_cubes = options.factors.method == FormFactors::hemicube;
+  hemicube.view = a.form_factors == "raster" ? CubeView::raster : CubeView::rays;
   hemicube.resolution = a.resolution > 0 ? a.resolution : (by_cubes ? 64 : kReachResolution);
   hemicube.divisions = divisions_of(a.points);
   hemicube.turned = a.cells != "aligned";
   hemicube.jittered = a.cells == "jittered";
+  if (hemicube.jittered && hemicube.view == CubeView::raster) {
+    throw InputError("--cells",
+                     "jittered cells cannot be drawn; take --form-factors hemicube, whose rays can be jittered");
+  }
   hemicube.seed = a.seed;
   check_hemicube_options(hemicube);
   options.solve.tolerance = a.tolerance;

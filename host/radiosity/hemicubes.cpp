@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -36,6 +39,12 @@ void check_hemicube_options(const HemicubeOptions& options) {
     throw InputError("hemicube", fmt::format("a resolution of {} cannot be had; take an even number from 8 to 1024",
                                              options.resolution));
   }
+  if (options.view == CubeView::raster && options.jittered) {
+    throw InputError(
+        "hemicube",
+        "what is drawn is seen through the middles of cells, which cannot be jittered; take rays, or cubes "
+        "that are turned");
+  }
   if (options.divisions < 1 || options.divisions > 16) {
     throw InputError("hemicube", fmt::format("{} divisions of a patch cannot be had; take 1 to 16", options.divisions));
   }
@@ -49,11 +58,16 @@ Hemicubes::Hemicubes(Context& context, Parallel& parallel, AccelBuilder& builder
       options_(options),
       scene_(context, mesh.flat, HR_FEATURE_TRIANGLES),
       accel_(builder, scene_),
-      trace_(context, "hemicubes", {"radiosity/hemicube.cl"}, trace_options(context, scene_, accel_)),
       rows_(context, "factor rows", {"radiosity/rows.cl"}, {}),
       normals_(context, "patch normals", std::span(mesh.normals)),
       reached_(context, "sides reached", mesh.side_count()) {
   check_hemicube_options(options);
+  if (options.view == CubeView::raster) {
+    raster_.emplace(context, mesh, options.resolution);
+  } else {
+    trace_.emplace(context, "hemicubes", std::vector<std::string>{"radiosity/hemicube.cl"},
+                   trace_options(context, scene_, accel_));
+  }
   std::vector<std::uint32_t> delta;
   for (const double cell : hemicube_cells(options.resolution)) {
     delta.push_back(static_cast<std::uint32_t>(std::llround(std::ldexp(cell, HR_CELL_UNITS_LOG2))));
@@ -79,39 +93,62 @@ std::uint32_t Hemicubes::rows_a_batch() const {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(rows, kMostRowsABatch));
 }
 
+shared::HemicubeParams Hemicubes::params(std::size_t rows) const {
+  shared::HemicubeParams cube{};
+  cube.resolution = options_.resolution;
+  cube.divisions = options_.divisions;
+  cube.turned = options_.turned ? 1 : 0;
+  cube.jittered = options_.jittered ? 1 : 0;
+  cube.seed_key = options_.seed * 0x9E3779B9U;
+  cube.row_count = static_cast<std::uint32_t>(rows);
+  cube.side_count = mesh_->side_count();
+  return cube;
+}
+
+void Hemicubes::trace(const Buffer<std::uint32_t>& rows, const shared::HemicubeParams& cube) {
+  const std::uint32_t tile_height = accel_.config().has_packets()
+                                        ? kPacketGroup * context_->profile().packet_groups / kTileWidth
+                                        : kTileCellsWithoutPackets / kTileWidth;
+  const std::uint32_t n = cube.resolution;
+  const std::uint32_t tiles = tiles_of(n, n, tile_height) + 4 * tiles_of(n, n / 2, tile_height);
+  const std::uint64_t cubes = std::uint64_t{cube.row_count} * cube.divisions * cube.divisions;
+  launch(*context_, trace_->kernel("radiosity_trace_hemicubes"), cubes * tiles,
+         arguments(scene_.shading_arguments(), accel_.tree_arguments(), arg("patch_normals", normals_),
+                   arg("rows", rows), arg("seen", seen_), arg("cube", cube), arg("params", query_params(scene_))));
+}
+
+void Hemicubes::look(const Buffer<std::uint32_t>& rows, const shared::HemicubeParams& cube) {
+  if (seen_.size() < cube.row_count * cells()) {
+    seen_ = Buffer<std::uint32_t>();
+    seen_ = Buffer<std::uint32_t>(*context_, "what hemicubes see", cube.row_count * cells());
+  }
+  if (raster_) {
+    raster_->draw(rows, cube, seen_);
+  } else {
+    trace(rows, cube);
+  }
+  rays_ += cube.row_count * cells();
+}
+
+const Buffer<std::uint32_t>& Hemicubes::look_from(std::span<const std::uint32_t> sides) {
+  if (sides.size() > rows_a_batch()) throw std::logic_error("more hemicubes than a batch holds");
+  look(Buffer<std::uint32_t>(*context_, "sides", sides), params(sides.size()));
+  context_->finish();  // before the list of sides goes
+  return seen_;
+}
+
 void Hemicubes::add_rows(std::span<const std::uint32_t> sides, FactorMatrix& matrix,
                          const std::function<bool(std::uint64_t)>& on_batch) {
   matrix.side_count = mesh_->side_count();
   const std::uint32_t batch = rows_a_batch();
-  const std::uint32_t tile_height = accel_.config().has_packets()
-                                        ? kPacketGroup * context_->profile().packet_groups / kTileWidth
-                                        : kTileCellsWithoutPackets / kTileWidth;
-  const std::uint32_t n = options_.resolution;
-  const std::uint32_t tiles = tiles_of(n, n, tile_height) + 4 * tiles_of(n, n / 2, tile_height);
-  const shared::RenderParams params = query_params(scene_);
   for (std::size_t first = 0; first < sides.size(); first += batch) {
     const auto part = sides.subspan(first, std::min<std::size_t>(batch, sides.size() - first));
     FactorBlock block;
     block.row_count = static_cast<std::uint32_t>(part.size());
     block.rows = Buffer<std::uint32_t>(*context_, "factor rows", part);
     block.starts = Buffer<std::uint32_t>(*context_, "factor starts", part.size() + 1);
-    if (seen_.size() < part.size() * cells()) {
-      seen_ = Buffer<std::uint32_t>();
-      seen_ = Buffer<std::uint32_t>(*context_, "what hemicubes see", part.size() * cells());
-    }
-    shared::HemicubeParams cube{};
-    cube.resolution = n;
-    cube.divisions = options_.divisions;
-    cube.turned = options_.turned ? 1 : 0;
-    cube.jittered = options_.jittered ? 1 : 0;
-    cube.seed_key = options_.seed * 0x9E3779B9U;
-    cube.row_count = block.row_count;
-    cube.side_count = mesh_->side_count();
-    const std::uint64_t cubes = std::uint64_t{block.row_count} * options_.divisions * options_.divisions;
-    launch(*context_, trace_.kernel("radiosity_trace_hemicubes"), cubes * tiles,
-           arguments(scene_.shading_arguments(), accel_.tree_arguments(), arg("patch_normals", normals_),
-                     arg("rows", block.rows), arg("seen", seen_), arg("cube", cube), arg("params", params)));
-    rays_ += block.row_count * cells();
+    const shared::HemicubeParams cube = params(part.size());
+    look(block.rows, cube);
     launch(*context_, rows_.kernel("radiosity_count_row"), items_,
            arguments(arg("seen", seen_), arg("sums", sums_), arg("counts", block.starts), arg("reached", reached_),
                      arg("cube", cube)));

@@ -2,6 +2,7 @@
 #ifndef HR_LIB_INTERSECT_H
 #define HR_LIB_INTERSECT_H
 
+#include "lib/edge_function.h"
 #include "lib/thin_triangle.h"
 #include "lib/vec.h"
 #include "shared/bvh_types.h"
@@ -70,14 +71,6 @@ static inline bool intersect_box(const Ray* ray, real3 lo, real3 hi, real t_far,
   const real3 t_in = min(t_lo, t_hi), t_out = max(t_lo, t_hi);
   *t_near = max(max(ray->t_min, t_in.x), max(t_in.y, t_in.z));
   return *t_near <= min(min(t_out.x, t_out.y), min(t_out.z, t_far)) * HR_SLAB_PAD;
-}
-
-// Twice the area of the triangle (0, p, q) in the sheared plane: its sign is exact unless it lies below 2^-48 of the
-// products (or these below the normal range) and is zero then. The products' rounding errors by fma (Dekker 1971).
-static inline real exact_edge_function(real px, real py, real qx, real qy) {
-#pragma OPENCL FP_CONTRACT OFF
-  const real a = px * qy, b = py * qx;
-  return (a - b) + (fma(px, qy, -a) - fma(py, qx, -b));
 }
 
 // Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". Products are rounded alike on both sides of a

@@ -4,6 +4,7 @@
 #ifndef HR_LIB_PACKET_H
 #define HR_LIB_PACKET_H
 
+#include "lib/edge_function.h"
 #include "lib/packet_rays.h"
 #include "lib/traverse.h"
 
@@ -78,17 +79,6 @@ static inline bool take_hits(Packet* p, uint k, int16 met, float16 t, float16 u,
 
 #if HR_TRIANGLE_WATERTIGHT
 
-static inline int16 all_of_one_sign(float16 a, float16 b, float16 c) {
-  return (min(min(a, b), c) >= 0.0f) | (max(max(a, b), c) <= 0.0f);
-}
-
-// exact_edge_function() of intersect.h.
-static inline float16 exact_edge_function16(float16 px, float16 py, float16 qx, float16 qy) {
-#pragma OPENCL FP_CONTRACT OFF
-  const float16 a = px * qy, b = py * qx;
-  return (a - b) + (fma(px, qy, -a) - fma(py, qx, -b));
-}
-
 // t of group k, of the rays that meet the triangle as a thin one by thin_triangle_t(), ray by ray.
 static inline float16 thin_triangle_t16(const Packet* p, uint k, global const float* row, int16 thin, float16 one_end,
                                         float16 other_end, float16 weighted) {
@@ -124,7 +114,7 @@ static inline bool intersect_triangle_along(Packet* p, global const float* row, 
     float16 wa = cx * by - cy * bx;
     float16 wb = ax * cy - ay * cx;
     float16 wc = bx * ay - by * ax;
-    int16 met = all_of_one_sign(wa, wb, wc);
+    int16 met = all_of_one_sign16(wa, wb, wc);
     if (!any_lane16(met)) continue;
     met &= p->axis[k] == kz;
     const int16 doubtful = met & ((wa == 0.0f) | (wb == 0.0f) | (wc == 0.0f));
@@ -132,7 +122,7 @@ static inline bool intersect_triangle_along(Packet* p, global const float* row, 
       wa = select(wa, exact_edge_function16(cx, cy, bx, by), doubtful);
       wb = select(wb, exact_edge_function16(ax, ay, cx, cy), doubtful);
       wc = select(wc, exact_edge_function16(bx, by, ax, ay), doubtful);
-      met &= all_of_one_sign(wa, wb, wc);
+      met &= all_of_one_sign16(wa, wb, wc);
     }
     float16 det = wa + wb + wc;
     met &= det != 0.0f;

@@ -119,6 +119,8 @@ TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and no
       {{"solve", kCornellBox, "-o", out}, ".glb"},
       {{"solve", kCornellBox, "-o", glb, "--points", "3"}, "--points"},
       {{"solve", kCornellBox, "-o", glb, "--resolution", "9"}, "even"},
+      {{"solve", kCornellBox, "-o", glb, "--form-factors", "raster", "--cells", "jittered"}, "--cells"},
+      {{"solve", kCornellBox, "-o", glb, "--form-factors", "rastered"}, "raster"},
       {{"solve", kCornellBox, "-o", glb, "--tolerance", "nan"}, "--tolerance"},
       {{"solve", kCornellBox, "-o", glb, "--patches", "0"}, "--patches"},
       {{"view-factors", kCornellBox, "-o", glb}, ".csv"},

@@ -60,9 +60,11 @@ TEST_CASE("hemicubes give the unit cube's factors, the better the more points a 
   RadiosityBench bench;
   FlatScene flat = test::flat_without_materials();
   test::add_room(flat, Vec3(1.0F), test::add_material(flat, Vec3(0.5F), Vec3(0.0F)));
+  const CubeView view = GENERATE(CubeView::rays, CubeView::raster);
   const auto opposite = [&](std::uint32_t patches, std::uint32_t divisions) {
     const PatchMesh mesh = make_patch_mesh(flat, {0.0, patches, 0.0});
     HemicubeOptions options;
+    options.view = view;
     options.divisions = divisions;
     options.resolution = 64;
     const std::vector<FactorRow> rows = read_rows(test::factors_of_fronts(bench, mesh, options));
@@ -86,6 +88,11 @@ TEST_CASE("hemicube options out of range are refused") {
   CHECK_THROWS_AS(check_hemicube_options(options), InputError);
   options.resolution = 64;
   options.divisions = 0;
+  CHECK_THROWS_AS(check_hemicube_options(options), InputError);
+  options.divisions = 1;
+  options.jittered = true;
+  CHECK_NOTHROW(check_hemicube_options(options));
+  options.view = CubeView::raster;
   CHECK_THROWS_AS(check_hemicube_options(options), InputError);
 }
 
