@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/base/error.hpp"
+#include "tests/reference/reference_camera.hpp"
 #include "tests/reference/reference_lights.hpp"
 #include "tests/reference/reference_surface.hpp"
 
@@ -70,7 +71,6 @@ class Tracer {
   Tracer(const Scene& scene, const ReferenceOptions& options)
       : scene_(scene), options_(options), world_(scene), intersector_(world_), lights_(world_) {}
 
-  [[nodiscard]] Ray camera_ray(int x, int y, const glm::dvec2& jitter) const;
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] const Intersector& intersector() const { return intersector_; }
 
@@ -95,26 +95,6 @@ class Tracer {
   RandomKey key_;
   std::uint32_t next_ordinal_ = 1;
 };
-
-Ray Tracer::camera_ray(int x, int y, const glm::dvec2& jitter) const {
-  const Camera& camera = scene_.camera;
-  const double sx = 2.0 * (x + jitter.x) / options_.width - 1.0;
-  const double sy = 1.0 - 2.0 * (y + jitter.y) / options_.height;
-  const double aspect = static_cast<double>(options_.width) / options_.height;
-  glm::dvec4 origin(0.0, 0.0, 0.0, 1.0);
-  DVec3 direction(0.0, 0.0, -1.0);
-  if (camera.kind == CameraKind::perspective) {
-    const double half = std::tan(glm::radians(camera.fov_y_deg) / 2.0);
-    direction = {sx * aspect * half, sy * half, -1.0};
-  } else {
-    origin.x = sx * aspect * camera.height_m / 2.0;
-    origin.y = sy * camera.height_m / 2.0;
-  }
-  Ray ray;
-  ray.origin = DVec3(camera.to_world * origin);
-  ray.direction = glm::normalize(glm::dmat3(camera.to_world) * direction);
-  return ray;
-}
 
 /// What a light sample contributes if nothing hides it.
 DVec3 Tracer::response(const Ray& ray, const Surface& surface, const LightSample& sample) const {
@@ -229,7 +209,7 @@ void render_pixel(Image& image, Tracer& tracer, const ReferenceOptions& options,
   int hits = 0;
   for (int s = 0; s < options.spp; ++s) {
     const RandomKey key{pixel, static_cast<std::uint32_t>(s), 0, options.seed};
-    const Ray ray = tracer.camera_ray(x, y, pixel_jitter(key, options.spp));
+    const Ray ray = camera_ray(tracer.world().scene.camera, options, x, y, pixel_jitter(key, options.spp));
     const Radiance radiance = tracer.trace_sample(ray, key);
     total.direct += radiance.direct;
     total.reflection += radiance.reflection;
