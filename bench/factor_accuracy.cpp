@@ -263,6 +263,16 @@ std::vector<FactorRow> open_rows(Context& context, Parallel& parallel, const Pai
   return rows;
 }
 
+// Since the program began, which compiled for a small room.
+void print_kernels(Context& context) {
+  context.profiler().collect();
+  std::vector<StageTime> stages = context.profiler().stages();
+  std::sort(stages.begin(), stages.end(),
+            [](const StageTime& a, const StageTime& b) { return a.milliseconds > b.milliseconds; });
+  stages.resize(std::min<std::size_t>(stages.size(), 10));
+  for (const StageTime& s : stages) fmt::print("  {:<32} {:8.2f} s\n", s.name, 1e-3 * s.milliseconds);
+}
+
 int run(std::uint32_t patches, std::uint32_t row_count, const VisibilityOptions& rays) {
   Context context(choose_device(""));
   Parallel parallel(context);
@@ -313,6 +323,7 @@ int run(std::uint32_t patches, std::uint32_t row_count, const VisibilityOptions&
   fmt::print("stated: geometry {:.1e}, sampling {:.1e}, closure {:.1e} before and {:.1e} after {} sweeps\n",
              report.errors.geometry, report.errors.sampling, report.enforcement->mean_before,
              report.enforcement->mean_after, report.enforcement->sweeps);
+  print_kernels(context);
   Hemicubes hemicubes(context, parallel, builder, mesh, options.hemicube);
   Tracer tracer{mesh, RayQueries(context, hemicubes.scene(), hemicubes.accel())};
   const std::vector<FactorRow> open = open_rows(context, parallel, PairSides(context, mesh, fronts), sample);

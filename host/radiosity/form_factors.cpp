@@ -52,7 +52,7 @@ class Maker {
     if (options_.method == FormFactors::analytic) raw.blocks.clear();
     const PairSides sides(context_, mesh_, active);
     const PairVisibility visibility =
-        find_visibility(context_, parallel_, hemicubes_.scene(), hemicubes_.accel(), sides, options_.visibility,
+        find_visibility(context_, parallel_, mesh_, sides, options_.visibility,
                         [this](double f) { return go_on(kCubesShare + kVisibilityShare * f); });
     report_.visibility_ms = visibility.trace_ms;
     report_.sample_ms = visibility.sample_ms;

@@ -59,7 +59,7 @@ PairSides::PairSides(Context& context, const PatchMesh& mesh, std::span<const st
 
   std::vector<float> rows(std::size_t{HR_SIDE_ROWS} * stride, 0.0F);
   std::vector<shared::float4> all_corners(std::size_t{3} * stride);
-  std::vector<std::uint32_t> own_triangles(stride, HR_NO_SIDE), numbers(mesh.side_count(), HR_NO_SIDE);
+  std::vector<std::uint32_t> own_blockers(stride, HR_NO_SIDE), numbers(mesh.side_count(), HR_NO_SIDE);
   for (std::uint32_t i = 0; i < count; i++) {
     const auto put = [&](std::uint32_t row, double value) {
       rows[std::size_t{row} * stride + i] = static_cast<float>(value);
@@ -86,12 +86,12 @@ PairSides::PairSides(Context& context, const PatchMesh& mesh, std::span<const st
     put(HR_SIDE_AREA, 0.5 * twice);
     put(HR_SIDE_RADIUS, radius);
     put(HR_SIDE_SLOPE, static_cast<double>(flatness) * longest / twice);
-    own_triangles[i] = ids[i] / 2;
+    own_blockers[i] = mesh.blocker_of[ids[i] / 2];
     numbers[ids[i]] = i;
   }
   table = Buffer<float>(context, "pair sides", std::span<const float>(rows));
   corners = Buffer<shared::float4>(context, "pair corners", std::span<const shared::float4>(all_corners));
-  triangles = Buffer<std::uint32_t>(context, "pair triangles", std::span<const std::uint32_t>(own_triangles));
+  blockers = Buffer<std::uint32_t>(context, "pair blockers", std::span<const std::uint32_t>(own_blockers));
   const std::vector<std::uint32_t> around = neighbours_of(mesh, ids, stride);
   neighbours = Buffer<std::uint32_t>(context, "pair neighbours", std::span(around));
   active = Buffer<std::uint32_t>(context, "numbers of sides", std::span<const std::uint32_t>(numbers));

@@ -21,7 +21,7 @@ struct PairSides {
   std::vector<std::uint32_t> ids;       ///< sides by number
   Buffer<float> table;
   Buffer<shared::float4> corners;         ///< three a side, counter-clockwise seen from its front [m]
-  Buffer<std::uint32_t> triangles;        ///< of the numbers
+  Buffer<std::uint32_t> blockers;         ///< of the numbers: what their own rays do not meet, of PatchMesh::blockers
   Buffer<std::uint32_t> neighbours;       ///< three a number: numbers of those that share an edge, or HR_NO_SIDE
   Buffer<std::uint32_t> active;           ///< of the mesh's sides: number, or HR_NO_SIDE
   Buffer<std::uint32_t> sides_by_number;  ///< ids, padded with HR_NO_SIDE

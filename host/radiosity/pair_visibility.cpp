@@ -20,18 +20,28 @@ std::uint64_t sum_of(const std::vector<std::uint32_t>& values) {
   return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
 }
 
+FlatScene blockers_of(const PatchMesh& mesh) {
+  FlatScene flat;
+  flat.positions = mesh.flat.positions;
+  flat.materials = mesh.flat.materials;
+  flat.triangles = mesh.blockers;
+  flat.triangle_objects.assign(flat.triangles.size(), 0);
+  return flat;
+}
+
 class Finder {
  public:
-  Finder(Context& context, Parallel& parallel, const DeviceScene& scene, const Accel& accel, const PairSides& sides)
+  Finder(Context& context, Parallel& parallel, const PatchMesh& mesh, const PairSides& sides)
       : context_(context),
         parallel_(parallel),
-        scene_(scene),
-        accel_(accel),
         sides_(sides),
+        scene_(context, blockers_of(mesh), HR_FEATURE_TRIANGLES),
+        builder_(context, parallel),
+        accel_(builder_, scene_),
         words_(sides.stride / 32),
         bits_(context, "visibility bits", {"radiosity/visibility_bits.cl"}, {}) {
     const auto with_groups = [&](std::uint32_t groups) {
-      ProgramOptions options = accel.program_options(scene.features(), false);
+      ProgramOptions options = accel_.program_options(scene_.features(), false);
       options.defines += fmt::format(" -DHR_PACKET_GROUPS={}", groups);
       return options;
     };
@@ -76,7 +86,7 @@ class Finder {
     for (std::uint32_t first = 0; first < sides_.count; first += step) {
       const std::uint32_t rows = std::min(step, sides_.count - first);
       launch(context_, trace_->kernel("radiosity_trace_pairs"), std::uint64_t{rows} * blocks,
-             arguments(scene_arguments(), arg("sides", sides_.table), arg("own_triangles", sides_.triangles),
+             arguments(scene_arguments(), arg("sides", sides_.table), arg("own_blockers", sides_.blockers),
                        arg("stride", sides_.stride), arg("count", sides_.count), arg("flatness", sides_.flatness),
                        arg("first", first), arg("row_count", rows), arg("visible", found.visible),
                        arg("hidden", hidden), arg("cut", cut), arg("rays", rays), arg("params", query_params(scene_))));
@@ -173,7 +183,7 @@ class Finder {
       packet_rows.write(std::span<const std::uint32_t>(rows).subspan(at, count));
       packet_firsts.write(std::span<const std::uint32_t>(firsts).subspan(at, count + 1));
       launch(context_, sample_->kernel("radiosity_sample_partial"), count,
-             arguments(scene_arguments(), arg("sides", sides_.table), arg("own_triangles", sides_.triangles),
+             arguments(scene_arguments(), arg("sides", sides_.table), arg("own_blockers", sides_.blockers),
                        arg("stride", sides_.stride), arg("flatness", sides_.flatness), arg("columns", found.columns),
                        arg("list", pairs), arg("packet_rows", packet_rows), arg("firsts", packet_firsts),
                        arg("packet_count", count), arg("begin", begin), arg("end", end),
@@ -190,9 +200,10 @@ class Finder {
 
   Context& context_;
   Parallel& parallel_;
-  const DeviceScene& scene_;
-  const Accel& accel_;
   const PairSides& sides_;
+  DeviceScene scene_;
+  AccelBuilder builder_;
+  Accel accel_;
   std::uint32_t words_;
   Program bits_;
   std::optional<Program> trace_, sample_;
@@ -200,10 +211,10 @@ class Finder {
 
 }  // namespace
 
-PairVisibility find_visibility(Context& context, Parallel& parallel, const DeviceScene& scene, const Accel& accel,
-                               const PairSides& sides, const VisibilityOptions& options,
+PairVisibility find_visibility(Context& context, Parallel& parallel, const PatchMesh& mesh, const PairSides& sides,
+                               const VisibilityOptions& options,
                                const std::function<bool(double)>& on_progress) {
-  return Finder(context, parallel, scene, accel, sides).find(options, on_progress);
+  return Finder(context, parallel, mesh, sides).find(options, on_progress);
 }
 
 }  // namespace hemiray

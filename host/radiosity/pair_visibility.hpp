@@ -27,11 +27,11 @@ struct PairVisibility {
 
 /// A ray from centroid to centroid of each pair that face each other. A pair counts as partly hidden if another one of
 /// sides next to it (sharing an edge) got the other answer, if its sides are close for their size, or face each other
-/// only in part; then more rays tell how much is seen. The scene's triangles are the mesh's. `on_progress` gets the
+/// only in part; then more rays tell how much is seen. Rays are traced among the mesh's blockers. `on_progress` gets the
 /// fraction done; returning false throws nothing and leaves the rest unseen. Throws DeviceError, also where bit
 /// matrices exceed the largest allocation.
-PairVisibility find_visibility(Context& context, Parallel& parallel, const DeviceScene& scene, const Accel& accel,
-                               const PairSides& sides, const VisibilityOptions& options,
+PairVisibility find_visibility(Context& context, Parallel& parallel, const PatchMesh& mesh, const PairSides& sides,
+                               const VisibilityOptions& options,
                                const std::function<bool(double)>& on_progress = {});
 
 }  // namespace hemiray

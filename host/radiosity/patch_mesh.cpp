@@ -253,16 +253,26 @@ class Mesher {
       const auto split = [&](const Corner& a, const Corner& b, const Vec3& place) {
         return halfway(a.vertex, b.vertex, place, face.flat ? nullptr : face.round);
       };
-      bisect(corners_of(face), face.round, targets_for(face, edge_m), split,
-             [&](const std::array<Corner, 3>& t) { add_patch(t, face); });
+      const std::size_t first = mesh_.blockers.size();
+      bisect(corners_of(face), face.round, targets_for(face, edge_m), split, [&](const std::array<Corner, 3>& t) {
+        if (!add_patch(t, face)) return;
+        const auto& v = face.vertices;
+        if (face.round != nullptr) {
+          mesh_.blockers.push_back(mesh_.flat.triangles.back());
+        } else if (mesh_.blockers.size() == first) {
+          mesh_.blockers.push_back({v[0], v[1], v[2], face.material});
+        }
+        mesh_.blocker_of.push_back(static_cast<std::uint32_t>(mesh_.blockers.size() - 1));
+      });
     }
   }
 
-  void add_patch(const std::array<Corner, 3>& t, const Face& face) {
+  // False: it has no area, so nothing leaves it and nothing meets it.
+  bool add_patch(const std::array<Corner, 3>& t, const Face& face) {
     const DVec3 a(t[0].position), b(t[1].position), c(t[2].position);
     const DVec3 cross = glm::cross(b - a, c - a);
     const double twice = glm::length(cross);
-    if (!(twice > 0.0)) return;  // no area: nothing leaves it and nothing meets it
+    if (!(twice > 0.0)) return false;
     const Vec3 n(cross / twice);
     mesh_.normals.push_back({n.x, n.y, n.z, static_cast<float>(0.5 * twice)});
     mesh_.flat.triangles.push_back({t[0].vertex, t[1].vertex, t[2].vertex, face.material});
@@ -271,13 +281,14 @@ class Mesher {
     for (std::size_t i = 0; i < 3; i++) {
       mesh_.edge_m = std::max(mesh_.edge_m, std::sqrt(length2(t[i].position, t[(i + 1) % 3].position)));
     }
-    if (face.round == nullptr) return;
+    if (face.round == nullptr) return true;
     // Of a cap only what its rim leaves out.
     for (std::size_t i = 0; i < 3 && face.flat; i++) {
       const DVec3 p(t[i].position), q(t[(i + 1) % 3].position);
       mesh_.chord_m = std::max(mesh_.chord_m, glm::length(face.round->halfway(p, q) - 0.5 * (p + q)));
     }
     if (!face.flat) mesh_.chord_m = std::max(mesh_.chord_m, face.round->distance((a + b + c) / 3.0));
+    return true;
   }
 
   const FlatScene& from_;

@@ -82,7 +82,7 @@ static inline float16 aim_group(const Targets* t, uint group, uint sample, real3
 // the smaller side's factor. Launch: one item a packet of up to HR_AIMED pairs, list[firsts[p]] to list[firsts[p + 1]],
 // all of row packet_rows[p].
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_sample_partial(
-    HR_SCENE_PARAMETERS global const float* restrict sides, global const uint* restrict own_triangles,
+    HR_SCENE_PARAMETERS global const float* restrict sides, global const uint* restrict own_blockers,
     const uint stride, const float flatness, global const uint* restrict columns, global const uint* restrict list,
     global const uint* restrict packet_rows, global const uint* restrict firsts, const uint packet_count,
     const uint begin, const uint end, const float accuracy, const uint seed_key, global float* restrict exchanged,
@@ -109,8 +109,8 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity
     const float2 w = onto_triangle(rng_unit(start_bits.x + (sample + 1) * r4_steps[0]),
                                    rng_unit(start_bits.y + (sample + 1) * r4_steps[1]));
     const real3 start = place + edge1 * w.x + edge2 * w.y;
-    const real3 origin = offset_origin(start, fabs(start) * HR_GAMMA(7), normal, normal);
-    aim_from(&aimed, origin, normal, own_triangles[i]);
+    const real3 origin = offset_origin(start, (real3)((real)flatness), normal, normal);
+    aim_from(&aimed, origin, normal, own_blockers[i]);
     float16 weights[HR_AIMED_GROUPS];
     bool any = false;
     for (uint g = 0; g < HR_AIMED_GROUPS && 16 * g < pairs; g++) {

@@ -9,7 +9,7 @@
 // close for their size, or face each other in part, but not with their centroids: no one ray tells about them. Zero
 // elsewhere. Launch: a row of `stride` / HR_BLOCK_COLUMNS items a side, from side `first` on.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_trace_pairs(
-    HR_SCENE_PARAMETERS global const float* restrict sides, global const uint* restrict own_triangles,
+    HR_SCENE_PARAMETERS global const float* restrict sides, global const uint* restrict own_blockers,
     const uint stride, const uint count, const float flatness, const uint first, const uint row_count,
     global uint* restrict visible, global uint* restrict hidden, global uint* restrict cut, global uint* restrict rays,
     const RenderParams params) {
@@ -24,11 +24,11 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity
     const PairRow row = load_pair_row(sides, stride, i);
     const real3 center = (real3)(row.center[0], row.center[1], row.center[2]),
                 normal = (real3)(row.normal[0], row.normal[1], row.normal[2]);
-    const real3 origin = offset_origin(center, fabs(center) * HR_GAMMA(7), normal, normal);
+    const real3 origin = offset_origin(center, (real3)((real)flatness), normal, normal);
     AimedRays aimed;
     for (uint part = 0; part < HR_BLOCK_COLUMNS; part += HR_AIMED) {
       ulong asked = 0;
-      aim_from(&aimed, origin, normal, own_triangles[i]);
+      aim_from(&aimed, origin, normal, own_blockers[i]);
       for (uint lane = 0; lane < min((uint)HR_AIMED, HR_BLOCK_COLUMNS - part); lane += 16) {
         const uint j0 = begin + part + lane;
         const PairColumns p = load_pair_columns(sides, stride, &row, j0, flatness);

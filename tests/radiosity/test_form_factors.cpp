@@ -188,9 +188,8 @@ TEST_CASE("a plate in the way takes what brute force says, and the detector find
   const std::vector<FactorRow> rows = read_rows(test::factors_by(bench, mesh, options, report));
   const std::vector<FactorRow> open = test::unobstructed_exchange(bench, mesh);
   const PairSides sides(bench.context, mesh, test::fronts_of(mesh));
-  Hemicubes hemicubes(bench.context, bench.parallel, bench.builder, mesh, options.hemicube);
   const PairVisibility visibility =
-      find_visibility(bench.context, bench.parallel, hemicubes.scene(), hemicubes.accel(), sides, options.visibility);
+      find_visibility(bench.context, bench.parallel, mesh, sides, options.visibility);
   const std::vector<std::uint32_t> partial = visibility.partial.read();
   std::vector<reference::Corners> obstacles;  // the box's own faces; walls hide nothing in a convex room
   const PatchMesh whole = make_patch_mesh(flat, {100.0, 0, 0.0});
