@@ -101,6 +101,13 @@ struct Aim {
   }
 };
 
+FlatScene flat_scene_of(Shape shape) {
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.shapes.push_back(std::move(shape));
+  return flatten_scene(scene);
+}
+
 // A quarter of the rays, a sixteenth above degree 8: the oracle finds all roots in multi-precision.
 Rung rung_of(std::string name, const Surface& surface, const DMat4& to_world, Beside beside = {},
              bool only_tangents = false) {
@@ -123,16 +130,70 @@ Rung rung_of(std::string name, const Surface& surface, const DMat4& to_world, Be
     made.inside.resize(wanted);
     return made;
   };
-  Scene scene;
-  scene.materials.emplace_back();
-  scene.shapes.push_back(std::move(shape));
-  rung.flat = flatten_scene(scene);
+  rung.flat = flat_scene_of(std::move(shape));
   return rung;
 }
 
 DMat4 placed(double scale, double at) {
   const DMat4 moved = glm::translate(DMat4(1.0), at * DVec3(1.0, -0.7, 0.3));
   return glm::scale(glm::rotate(moved, 0.7, glm::normalize(DVec3(1.0, 2.0, 3.0))), DVec3(scale));
+}
+
+// A saddle cut by a clip of size 1.
+constexpr const char* kSaddle = "x - 0.2*(y^2 - z^2)";
+
+DVec3 on_saddle(double y, double z) { return {0.2 * (y * y - z * z), y, z}; }
+
+// How far to go in its direction from the saddle's middle to where the clip cuts it.
+double way_to_cut(Clip clip, double cosine, double sine) {
+  double lo = 0.0, hi = 2.0;
+  for (int i = 0; i < 50; i++) {
+    const double way = 0.5 * (lo + hi);
+    const DVec3 p = glm::abs(on_saddle(way * cosine, way * sine));
+    const double size = clip == Clip::sphere ? glm::length(p) : std::max({p.x, p.y, p.z});
+    (size < 1.0 ? lo : hi) = way;
+  }
+  return lo;
+}
+
+// Half of the rays at most an eighth beside the cut, half along axes, where their origins are exact.
+RayMaker at_cut(Clip clip, const DMat4& to_world, double distance) {
+  return [=](std::uint32_t count, std::uint32_t seed) {
+    Dice dice(seed);
+    Rays made;
+    while (made.rays.size() < count) {
+      const double turn = 6.2831853 * static_cast<double>(dice.unit()), cosine = std::cos(turn), sine = std::sin(turn);
+      double way = 1.5 * static_cast<double>(dice.unit());
+      if (dice.one_in(2)) {
+        const double beside = std::exp2(static_cast<double>(dice.in(-12.0F, -3.0F)));
+        way = way_to_cut(clip, cosine, sine) * (dice.one_in(2) ? 1.0 + beside : 1.0 - beside);
+      }
+      Vec3 d = any_direction(dice);
+      if (dice.one_in(2)) {
+        d = Vec3(0.0F);
+        d[static_cast<int>(dice.below(3))] = dice.one_in(2) ? 1.0F : -1.0F;
+      }
+      const DVec3 target(to_world * glm::dvec4(on_saddle(way * cosine, way * sine), 1.0));
+      made.rays.push_back(make_ray(Vec3(target - distance * DVec3(d)), d));
+      made.inside.push_back(0);
+    }
+    return made;
+  };
+}
+
+Rung cut_saddle(std::string name, Clip clip, double distance) {
+  Shape shape;
+  shape.kind = ShapeKind::implicit;
+  shape.expression = parse_expression(kSaddle, {});
+  shape.clip = clip;
+  shape.clip_half = DVec3(1.0);
+  shape.clip_radius = 1.0;
+  shape.to_world = placed(1.0, 0.0);
+  Rung rung;
+  rung.name = std::move(name);
+  rung.rays = at_cut(clip, shape.to_world, distance);
+  rung.flat = flat_scene_of(std::move(shape));
+  return rung;
 }
 
 }  // namespace
@@ -166,7 +227,19 @@ std::vector<Case> implicit_cases() {
       return rung_of(name, surface_named(surfaces(), "heart"), DMat4(1.0), {most - 2.0F, most}, true);
     });
   }
-  return {std::move(forms), std::move(places), std::move(tangents)};
+  Case cuts{"implicit, clip",
+            "A saddle cut by a box or sphere, from so many times its size; half of the rays near the cut.",
+            {}};
+  constexpr std::pair<const char*, double> kDistances[] = {
+      {"1e1", 1e1}, {"1e2", 1e2}, {"1e3", 1e3}, {"1e5", 1e5}, {"1e7", 1e7}};
+  for (const auto& [name, distance] : kDistances) {
+    for (const Clip clip : {Clip::box, Clip::sphere}) {
+      cuts.rungs.emplace_back([clip, name = std::string(name), distance = distance] {
+        return cut_saddle(clip == Clip::box ? name + ", box" : name + ", sphere", clip, distance);
+      });
+    }
+  }
+  return {std::move(forms), std::move(places), std::move(tangents), std::move(cuts)};
 }
 
 }  // namespace hemiray::stability

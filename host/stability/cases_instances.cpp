@@ -107,13 +107,18 @@ std::vector<Case> instance_cases() {
   }
   Case sharp{
       "leaving, sharp edges",
-      "From an icosahedron squeezed to a tenth, so that edges are sharper than a right angle: as triangles of the "
-      "world, and as an instance.",
+      "From an icosahedron squeezed so that its sharpest edges have that angle, as triangles of the world and as an "
+      "instance.",
       {}};
-  for (const bool instanced : {false, true}) {
-    sharp.rungs.emplace_back([=] {
-      return solid(instanced ? "instance" : "world", {1.0, 0.1, 1.0}, way, DVec3(0.0), instanced);
-    });
+  // Edges of 138.19 degrees about the middle: tan(angle / 2) shrinks by the scale.
+  constexpr std::pair<const char*, double> kEdges[] = {
+      {"29 degrees", 0.1}, {"15 degrees", 0.05}, {"7.5 degrees", 0.025}, {"3.7 degrees", 0.0125}};
+  for (const auto& [name, value] : kEdges) {
+    for (const bool instanced : {false, true}) {
+      sharp.rungs.emplace_back([=, name = std::string(name), value = value] {
+        return solid(instanced ? name + ", instance" : name, {1.0, value, 1.0}, way, DVec3(0.0), instanced);
+      });
+    }
   }
   Case gap{"gap, instances",
            "Rays go on through a sheet, an instance 1 from the origin, to another one of the same mesh behind it at "

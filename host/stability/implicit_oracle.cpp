@@ -28,8 +28,9 @@ std::optional<Range> in_clip(const shared::Shape& s, const shared::QueryRay& ray
   const Wide o = own * from - wide(s.linear), d = own * wide(ray.direction);
   constexpr long double kFar = std::numeric_limits<long double>::infinity();
   Range range{-kFar, kFar};
+  const long double middle = -glm::dot(o, d) / glm::dot(d, d);
   if ((s.flags & HR_SHAPE_CLIP_SPHERE) != 0) {
-    const long double radius = s.clip.w * (1 + grow), middle = -glm::dot(o, d) / glm::dot(d, d);
+    const long double radius = s.clip.w * (1 + grow);
     const Wide nearest = o + middle * d;
     const long double rest = (radius * radius - glm::dot(nearest, nearest)) / glm::dot(d, d);
     if (!(rest > 0)) return std::nullopt;
@@ -43,7 +44,8 @@ std::optional<Range> in_clip(const shared::Shape& s, const shared::QueryRay& ray
       range = {std::max(range.lo, std::min(a, b)), std::min(range.hi, std::max(a, b))};
     }
   }
-  const long double pad = (grow < 0 ? -0.1L : 0.1L) * kAtClip * (std::abs(range.lo) + std::abs(range.hi));
+  const long double pad =
+      (grow < 0 ? -0.1L : 0.1L) * kAtClip * (std::abs(range.lo - middle) + std::abs(range.hi - middle));
   range = {range.lo - pad, range.hi + pad};
   if (!(range.lo < range.hi)) return std::nullopt;
   return range;

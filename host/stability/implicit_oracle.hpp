@@ -17,7 +17,7 @@
 
 namespace hemiray::stability {
 
-inline constexpr double kAtClip = 1e-4;  ///< of the clip's size, and a tenth of that of the distance
+inline constexpr double kAtClip = 1e-4;  ///< of the clip's size, and a tenth of that of the way to its middle
 
 /// What one ray meets.
 struct ImplicitTruth {

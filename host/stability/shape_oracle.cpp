@@ -29,7 +29,7 @@ std::vector<SurfaceHit> ShapeOracle::hits(const Wide& o_world, const Wide& d_wor
     add_plane(0, HR_PART_SIDE);
     return all;
   }
-  if (shape_.kind == HR_SHAPE_CONE && (shape_.flags & HR_SHAPE_CAPPED) != 0) {
+  if (shape_.kind == HR_SHAPE_CONE) {
     add_plane(-shape_.form.z, HR_PART_LOWER_CAP);
     add_plane(shape_.form.z, HR_PART_UPPER_CAP);
   }
@@ -41,16 +41,35 @@ std::vector<SurfaceHit> ShapeOracle::hits(const Wide& o_world, const Wide& d_wor
   const long double size = glm::length(d) * (glm::length(m) + reach());
   if (std::abs(a) * size < 1e-16L * std::abs(b) * glm::length(d)) {
     if (b != 0) add(start - c / (2 * b), HR_PART_SIDE, reach());
-    return all;
+  } else {
+    // Where it nearly touches: the depth of the chord's middle, or how far from it the ray passes.
+    const Wide middle = o_world + d_world * (start - b / a);
+    const long double depth = distance(HR_PART_SIDE, middle) * (disc < 0 ? -1 : 1);
+    const long double root = std::sqrt(std::max(disc, 0.0L));
+    const long double q = -(b + (b < 0 ? -root : root));
+    add(start + q / a, HR_PART_SIDE, depth);
+    add(start + (q != 0 ? c / q : q / a), HR_PART_SIDE, depth);
   }
-  // Where it nearly touches: the depth of the chord's middle, or how far from it the ray passes.
-  const Wide middle = o_world + d_world * (start - b / a);
-  const long double depth = distance(HR_PART_SIDE, middle) * (disc < 0 ? -1 : 1);
-  const long double root = std::sqrt(std::max(disc, 0.0L));
-  const long double q = -(b + (b < 0 ? -root : root));
-  add(start + q / a, HR_PART_SIDE, depth);
-  add(start + (q != 0 ? c / q : q / a), HR_PART_SIDE, depth);
+  if (shape_.kind == HR_SHAPE_CONE) cut_short(o_world, d_world, &all);
   return all;
+}
+
+void ShapeOracle::cut_short(const Wide& o_world, const Wide& d_world, std::vector<SurfaceHit>* hits) const {
+  long double in = std::numeric_limits<long double>::infinity(), out = -in;
+  for (const SurfaceHit& hit : *hits) {
+    if (hit.margin < 0) continue;
+    in = std::min(in, hit.t);
+    out = std::max(out, hit.t);
+  }
+  const Wide middle = o_world + d_world * ((in + out) / 2);
+  for (SurfaceHit& hit : *hits) {
+    if (hit.margin < 0) continue;
+    for (const int part : {HR_PART_SIDE, HR_PART_LOWER_CAP, HR_PART_UPPER_CAP}) {
+      hit.margin = std::min(hit.margin, 2 * distance(part, middle));
+    }
+  }
+  if ((shape_.flags & HR_SHAPE_CAPPED) != 0) return;
+  std::erase_if(*hits, [](const SurfaceHit& hit) { return hit.part != HR_PART_SIDE; });
 }
 
 long double ShapeOracle::distance(int part, const Wide& p_world) const {

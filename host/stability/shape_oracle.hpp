@@ -31,7 +31,8 @@ double ulp_along(const shared::QueryRay& ray, double t);
 struct SurfaceHit {
   long double t = 0;
   long double cosine = 0;  ///< between ray and normal, without sign
-  long double margin = 0;  ///< how far inside of its rim or clip, and how deep the ray goes below a curved surface [m]
+  /// How far inside of its rim or clip, and how deep the ray goes below a curved surface, or into a cone [m].
+  long double margin = 0;
   int part = HR_PART_SIDE;
 };
 
@@ -64,6 +65,9 @@ class ShapeOracle {
   [[nodiscard]] std::vector<SurfaceHit> hits(const Wide& o_world, const Wide& d_world, long double slack) const;
 
  private:
+  // Margins of a cone's hits, its caps among them, end at how deep it goes in. Depth is concave along the ray, so
+  // nowhere more than twice that in the middle of the way. Drops what is on caps that it has not.
+  void cut_short(const Wide& o_world, const Wide& d_world, std::vector<SurfaceHit>* hits) const;
   // Metres a unit of the shape's frame, at least.
   [[nodiscard]] long double scale() const {
     return std::min({glm::length(to_world_[0]), glm::length(to_world_[1]), glm::length(to_world_[2])});

@@ -126,12 +126,18 @@ static inline bool implicit_wide(ImplicitSearch* search, ulong at, int sign, rea
   return false;
 }
 
+// A step of Newton's method leaves its square, in parts of the way through the clip: no more than the clip is padded
+// by.
+#define HR_LAST_STEP REAL(0.000244140625)
+
 // A root that float has isolated in [t_lo, t_hi] to the precision of `real`: Newton's steps with value and slope in the
-// wide arithmetic. False if they do not settle within the bracket.
+// wide arithmetic. Then the root tells, however far t is, on which side of the clip it lies. False if they do not
+// settle within the bracket.
 static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, float t_hi, HR_WIDE_NUM* root) {
 #pragma OPENCL FP_CONTRACT OFF
   HR_WIDE_NUM at = HR_WIDE_OF(0.5f * (t_lo + t_hi));
   const float size = fabs(t_lo) + fabs(t_hi);
+  const real enough = min(REAL(0.0625) * HR_HALF_ULP * size, HR_LAST_STEP * (search->clip.far - search->clip.near));
   for (int i = 0; i < 5; i++) {
     HR_WIDE(Poly) p;
     HR_WIDE(poly_along)
@@ -142,7 +148,7 @@ static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, flo
     const real here = HR_WIDE_REAL(at);
     if (!(here >= t_lo - HR_UNIT_F * size && here <= t_hi + HR_UNIT_F * size)) return false;
     *root = at;
-    if (fabs((real)HR_WIDE_HIGH(move)) <= REAL(0.0625) * HR_HALF_ULP * size) return true;
+    if (fabs((real)HR_WIDE_HIGH(move)) <= enough) return true;
   }
   return false;
 }

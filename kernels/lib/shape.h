@@ -42,20 +42,22 @@ static inline real3 point_from_place(real3 origin, real3 direction, real3 place,
   return fma(direction, (real3)(t), from) + rest_of_difference(origin, place, from);
 }
 
-// False if the ray passes far from the shape.
+// False if the ray passes far from the shape. From afar t is rounded by as much as the shape's size: how far the ray
+// passes is measured across it.
 static inline bool ray_to_own(const Ray* ray, global const Shape* s, OwnRay* own) {
 #pragma OPENCL FP_CONTRACT OFF
-  const real3 place = shape_place(s);
-  const real reach = s->lo.w * HR_SHAPE_REACH_SLACK;
+  const real3 place = shape_place(s), direction = ray->direction;
+  const real reach = s->lo.w * HR_SHAPE_REACH_SLACK, length2 = dot3(direction, direction);
   const real3 from = ray->origin - place;
-  own->start = 0;
-  if (dot3(from, from) > reach * reach) {
-    own->start = divide(-dot3(from, ray->direction), dot3(ray->direction, ray->direction));
+  const bool starts_near = dot3(from, from) <= reach * reach;
+  own->start = starts_near ? 0 : divide(-dot3(from, direction), length2);
+  const real3 nearest = point_from_place(ray->origin, direction, place, own->start);
+  if (!starts_near) {
+    const real3 across = fma(direction, (real3)(divide(-dot3(nearest, direction), length2)), nearest);
+    if (!(dot3(across, across) <= reach * reach)) return false;
   }
-  const real3 nearest = point_from_place(ray->origin, ray->direction, place, own->start);
-  if (!(dot3(nearest, nearest) <= reach * reach)) return false;
   own->origin = vector_to_own(s, nearest);
-  own->direction = vector_to_own(s, ray->direction);
+  own->direction = vector_to_own(s, direction);
   return true;
 }
 
@@ -97,20 +99,22 @@ static inline void intersect_disk(const OwnRay* r, real radius, ShapeHits* hits)
 }
 
 // x^2 + y^2 = (mean + slope z)^2 between z = -half and half. With p = d.xy, m = o.xy, g the radius at o, e its growth
-// along d: a = p^2 - e^2, b = m p - g e, c = m^2 - g^2, and b^2 - a c = |g p - e m|^2 - (m x p)^2 (Lagrange's
-// identity), where thin cylinders cancel nothing. A capped cone is convex: the ray is inside of it where it is inside
-// of the side and between the caps, so none slips between side and cap.
+// along d: a = p^2 - e^2, b = m p - g e, c = m^2 - g^2, which long_dot() rounds once: of a ray that passes the apex
+// along a generator little is left of them. And b^2 - a c = |g p - e m|^2 - (m x p)^2 (Lagrange's identity): the
+// form of the smaller terms is taken, the latter at thin cylinders. A capped cone is convex: the ray is inside of it
+// where it is inside of the side and between the caps, so none slips between side and cap.
 static inline void intersect_cone(const OwnRay* r, real mean, real slope, real half_height, bool capped,
                                   ShapeHits* hits) {
 #pragma OPENCL FP_CONTRACT OFF
   const real3 o = r->origin, d = r->direction;
   const real g = fma(slope, o.z, mean), e = slope * d.z;
-  const real a = fma(d.x, d.x, difference_of_products(d.y, d.y, e, e));
-  const real b = fma(o.x, d.x, difference_of_products(o.y, d.y, g, e));
-  const real c = fma(o.x, o.x, difference_of_products(o.y, o.y, g, g));
+  const LongReal3 at = {(real3)(o.x, o.y, g), (real3)(0)}, at_minus = {(real3)(o.x, o.y, -g), (real3)(0)};
+  const LongReal3 along = {(real3)(d.x, d.y, e), (real3)(0)}, along_minus = {(real3)(d.x, d.y, -e), (real3)(0)};
+  const real a = long_dot(along, along_minus), b = long_dot(at, along_minus), c = long_dot(at, at_minus);
   const real area = difference_of_products(o.x, d.y, o.y, d.x);
   const real vx = difference_of_products(g, d.x, e, o.x), vy = difference_of_products(g, d.y, e, o.y);
-  const real disc = fma(vx, vx, difference_of_products(vy, vy, area, area));
+  const real disc = b * b < vx * vx + vy * vy ? difference_of_products(b, b, a, c)
+                                              : fma(vx, vx, difference_of_products(vy, vy, area, area));
   if (!(disc >= 0) && a >= 0) return;
   const Span roots = quadratic_roots(a, b, c, max(disc, REAL(0.0)));  // through both halves of the cone: there are two
   const Span between = slab_span(o.z, d.z, half_height);

@@ -2,8 +2,10 @@
 #ifndef HR_LIB_SURFACE_H
 #define HR_LIB_SURFACE_H
 
+#include "lib/edge_distance.h"
 #include "lib/instance.h"
 #include "lib/intersect.h"
+#include "lib/mesh_vertices.h"
 #include "lib/scene_view.h"
 #include "lib/shape_surface.h"
 #include "lib/sphere_surface.h"
@@ -33,51 +35,6 @@ typedef struct Surface {
   uint object;
   uint front;  // 1 if the ray came to the front
 } Surface;
-
-typedef struct TriangleGeometry {
-  uint4 indices;  // w = material
-  real3 a, b, c;
-} TriangleGeometry;
-
-static inline real3 load_position(const SceneView* view, uint i) {
-  return (real3)(view->positions[3 * i], view->positions[3 * i + 1], view->positions[3 * i + 2]);
-}
-
-static inline real3 load_normal(const SceneView* view, uint i) {
-  return (real3)(view->normals[3 * i], view->normals[3 * i + 1], view->normals[3 * i + 2]);
-}
-
-static inline real3 load_color(const SceneView* view, uint i) {
-  return (real3)(view->colors[3 * i], view->colors[3 * i + 1], view->colors[3 * i + 2]);
-}
-
-static inline real2 load_uv(const SceneView* view, uint i) { return (real2)(view->uvs[i].x, view->uvs[i].y); }
-
-static inline real2 interpolate_uv(const SceneView* view, uint4 i, real u, real v) {
-  return load_uv(view, i.x) * (1 - u - v) + load_uv(view, i.y) * u + load_uv(view, i.z) * v;
-}
-
-typedef struct VertexNormals {
-  real3 a, b, c;  // in the world
-  bool smooth;    // no vertex lacks one
-} VertexNormals;
-
-// `instance` may be null.
-static inline VertexNormals load_vertex_normals(const SceneView* view, uint4 i, global const Instance* instance) {
-  VertexNormals n = {load_normal(view, i.x), load_normal(view, i.y), load_normal(view, i.z), true};
-  n.smooth = dot3(n.a, n.a) != 0 && dot3(n.b, n.b) != 0 && dot3(n.c, n.c) != 0;
-  if (HR_HAS(INSTANCES) && instance) {
-    n.a = normal_to_world(instance, n.a);
-    n.b = normal_to_world(instance, n.b);
-    n.c = normal_to_world(instance, n.c);
-  }
-  return n;
-}
-
-static inline real3 interpolate_normal(const VertexNormals* normals, real u, real v, real3 fallback) {
-  const real3 n = normals->a * (1 - u - v) + normals->b * u + normals->c * v;
-  return dot3(n, n) > 0 ? normalize3(n) : fallback;
-}
 
 // Normal map: the tangent follows the triangle's u, made orthogonal to n; the bitangent follows -v (glTF's +Y is up in
 // the image, our v runs down).
@@ -131,36 +88,6 @@ static inline void shade_material(const SceneView* view, uint index, real2 uv, b
   s->ka = (m.flags & HR_MATERIAL_OWN_AMBIENT) ? (real3)(m.ka.x, m.ka.y, m.ka.z) : s->kd;
 }
 
-static inline TriangleGeometry load_triangle(const SceneView* view, uint triangle) {
-  TriangleGeometry g;
-  g.indices = view->triangles[triangle];
-  g.a = load_position(view, g.indices.x);
-  g.b = load_position(view, g.indices.y);
-  g.c = load_position(view, g.indices.z);
-  return g;
-}
-
-// Triangle `primitive` of an instance as it would stand in the world's own triangles, but in object space.
-static inline TriangleGeometry load_instanced(const SceneView* view, global const Instance* instance, uint primitive) {
-  TriangleGeometry g = load_triangle(view, instance->first_triangle + (primitive - instance->first_id));
-  if (instance->flags & HR_INSTANCE_MIRRORED) {
-    g.indices.yz = g.indices.zy;
-    const real3 b = g.b;
-    g.b = g.c;
-    g.c = b;
-  }
-  if (instance->material != HR_NO_MATERIAL) g.indices.w = instance->material;
-  return g;
-}
-
-// Moves p, a point of a triangle but for `error`, by as much `inward`, the way to its middle: rounded over an edge it
-// would lie behind the neighbour, and a ray that leaves along that one's back is lost. In the plane, so the bound of
-// the distance from it stays.
-static inline real3 keep_inside(real3 p, real3 error, real3 inward) {
-  const real distance = max_component(fabs(inward)), by = max_component(error);
-  return distance > by ? p + inward * divide(by, distance) : p + inward;
-}
-
 // Everything about the hit of a ray; error bounds follow pbrt (4th ed., 6.8.4-5): position from barycentrics, on the
 // sphere and on shapes by reprojection, on the plane by projection.
 static inline Surface surface_at(const SceneView* view, real3 origin, real3 direction, const Hit* hit) {
@@ -182,15 +109,13 @@ static inline Surface surface_at(const SceneView* view, real3 origin, real3 dire
     const real3 wa = g.a * (1 - hit->u - hit->v), wb = g.b * hit->u, wc = g.c * hit->v;
     s.position = wa + wb + wc;
     s.error = (fabs(wa) + fabs(wb) + fabs(wc)) * HR_GAMMA(7);
-    real3 inward = (g.a + g.b + g.c) * (REAL(1.0) / 3) - s.position;
     if (HR_HAS(INSTANCES) && instance) {
       point_to_world(instance, &s.position, &s.error);
-      inward = vector_to_world(instance, inward);
       g.b = vector_to_world(instance, g.b - g.a);
       g.c = vector_to_world(instance, g.c - g.a);
       g.a = (real3)(0);  // from here on only edges count
     }
-    s.position = keep_inside(s.position, s.error, inward);
+    s.position += way_off_edges(hit->u, hit->v, g.b - g.a, g.c - g.a, s.error);
     outward = normal_of_edges(g.b - g.a, g.c - g.a);
     interpolated = outward;
     if (HR_HAS(SMOOTH_NORMALS)) {

@@ -74,6 +74,24 @@ TEST_CASE("cylinders: side, cap and edge are judged within the bound") {
   CHECK(judge_one(flat, make_ray({-3, 0.99F, 0}, {1, 0, 0}), kNone).missed == 1);
 }
 
+TEST_CASE("cylinders: a ray that cuts the edge is judged by how deep it goes in") {
+  Shape open = cylinder({0, 0, 0});
+  open.capped = false;
+  // In by the side, out by the rim's plane, along either at a slope of 1 in 400; deepest half way.
+  const auto along_side = [](float way) { return make_ray({-1.0F - 0.01F, 0, 2.0F - way - 4.0F}, {2.5e-3F, 0, 1}); };
+  const auto along_cap = [](float way) {
+    return make_ray({-1.0F - 4.0F, 0, 2.0F - way / 400.0F - 0.01F}, {1, 0, 2.5e-3F});
+  };
+  for (const FlatScene& flat : {scene_of({cylinder({0, 0, 0})}), scene_of({open})}) {
+    CHECK(judge_one(flat, along_side(2e-3F), kNone).borderline == 1);
+    CHECK(judge_one(flat, along_side(0.5F), kNone).missed == 1);
+    CHECK(judge_one(flat, along_cap(2e-3F), kNone).borderline == 1);
+  }
+  const FlatScene closed = scene_of({cylinder({0, 0, 0})});
+  CHECK(judge_one(closed, along_cap(0.5F), kNone).missed == 1);
+  CHECK(judge_one(closed, along_cap(0.5F), {4, HR_PART_SIDE, 0, 0}).missed == 0);
+}
+
 TEST_CASE("implicit surfaces: roots are found, and planted errors") {
   const FlatScene flat = scene_of({implicit("x^2 + y^2 + z^2 - 4", 2.5)});
   const auto ray_at = [](float y) { return make_ray({-3, y, 0}, {1, 0, 0}); };
