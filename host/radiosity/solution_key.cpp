@@ -49,7 +49,7 @@ std::string kernels_hash() {
 nlohmann::ordered_json options_json(const RadiosityOptions& options, const DeviceInfo& device) {
   const auto& [edge_m, patches, chord_m] = options.mesh;
   const auto& [method, hemicube, visibility] = options.factors;
-  const auto& [resolution, divisions, turned, jittered, seed, batch_bytes] = hemicube;
+  const auto& [view, resolution, divisions, turned, jittered, seed, batch_bytes] = hemicube;
   const auto& [few, many, accuracy, visibility_seed] = visibility;
   const auto& [kind, tolerance, iterations, seconds, group, shots, pick, restart, single_precision, on_iteration,
                offer_state, continue_from] = options.solve;
@@ -58,7 +58,7 @@ nlohmann::ordered_json options_json(const RadiosityOptions& options, const Devic
   json["--patches"] = patches;
   json["--edge"] = edge_m;
   json["--chord"] = chord_m;
-  json["--form-factors"] = static_cast<int>(method);
+  json["--form-factors"] = {static_cast<int>(method), static_cast<int>(view)};
   json["--resolution"] = resolution;
   json["--points"] = divisions * divisions;
   json["--cells"] = jittered ? "jittered" : (turned ? "turned" : "aligned");
