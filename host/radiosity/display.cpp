@@ -1,21 +1,12 @@
 #include "host/radiosity/display.hpp"
 
-#include <bit>
 #include <cmath>
-#include <map>
 #include <numbers>
+
+#include "host/radiosity/mesh_edges.hpp"
 
 namespace hemiray {
 namespace {
-
-using Place = std::array<std::uint32_t, 3>;  // bits of a position; -0 is 0
-
-Place place_of(const FlatScene& flat, std::uint32_t vertex) {
-  Place place{};
-  for (std::size_t i = 0; i < 3; i++)
-    place[i] = std::bit_cast<std::uint32_t>(flat.positions[std::size_t{3} * vertex + i] + 0.0F);
-  return place;
-}
 
 // The triangles around each place, and the place of each corner.
 struct Fans {
@@ -25,23 +16,16 @@ struct Fans {
 
 Fans fans_of(const PatchMesh& mesh) {
   Fans fans;
-  std::map<Place, std::uint32_t> places;
+  const std::vector<std::uint32_t> places = number_places(mesh.flat);
+  fans.triangles.resize(places.size());
   for (std::uint32_t i = 0; i < mesh.patch_count(); i++) {
     const shared::uint4& t = mesh.flat.triangles[i];
     for (const std::uint32_t vertex : {t.x, t.y, t.z}) {
-      const auto [found, is_new] =
-          places.try_emplace(place_of(mesh.flat, vertex), static_cast<std::uint32_t>(places.size()));
-      if (is_new) fans.triangles.emplace_back();
-      fans.triangles[found->second].push_back(i);
-      fans.of_corner.push_back(found->second);
+      fans.triangles[places[vertex]].push_back(i);
+      fans.of_corner.push_back(places[vertex]);
     }
   }
   return fans;
-}
-
-double cosine_of(const shared::float4& a, const shared::float4& b) {
-  return static_cast<double>(a.x) * static_cast<double>(b.x) + static_cast<double>(a.y) * static_cast<double>(b.y) +
-         static_cast<double>(a.z) * static_cast<double>(b.z);
 }
 
 }  // namespace

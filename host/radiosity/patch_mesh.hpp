@@ -27,7 +27,7 @@ struct PatchMesh {
   std::uint32_t face_count = 0;
   /// Few triangles that hide what these hide: flat ones of the scene uncut, with vertices of `flat`.
   std::vector<shared::uint4> blockers;
-  std::vector<std::uint32_t> blocker_of;  ///< of the triangles: the one that each lies on
+  std::vector<std::uint32_t> blocker_of;      ///< of the triangles: the one that each lies on
   std::vector<shared::float4> reflectance;    ///< of the sides: rho, rgb; w = the largest of the three
   std::vector<shared::float4> transmittance;  ///< of the sides: tau, rgb; w = 0
   std::vector<shared::float4> emission;       ///< of the sides: E = pi L, rgb [W/m^2]; w = 1

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "host/base/error.hpp"
@@ -15,31 +14,9 @@
 namespace hemiray {
 namespace {
 
+using test::area_of;
+using test::lonely_edges;
 using test::TempFolder;
-
-double area_of(const PatchMesh& mesh) {
-  double sum = 0.0;
-  for (const shared::float4& n : mesh.normals) sum += static_cast<double>(n.w);
-  return sum;
-}
-
-// Edges by their places that only one triangle has.
-std::size_t lonely_edges(const PatchMesh& mesh) {
-  using Place = std::array<float, 3>;
-  std::map<std::pair<Place, Place>, int> uses;
-  for (const shared::uint4& t : mesh.flat.triangles) {
-    const std::array<std::uint32_t, 3> v = {t.x, t.y, t.z};
-    for (std::size_t i = 0; i < 3; i++) {
-      const Vec3 a = test::vertex(mesh.flat, v[i]), b = test::vertex(mesh.flat, v[(i + 1) % 3]);
-      Place p = {a.x, a.y, a.z}, q = {b.x, b.y, b.z};
-      if (q < p) std::swap(p, q);
-      uses[{p, q}]++;
-    }
-  }
-  std::size_t lonely = 0;
-  for (const auto& [edge, count] : uses) lonely += count != 2;
-  return lonely;
-}
 
 }  // namespace
 
