@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "host/app/factor_report.hpp"
+#include "host/app/refine_report.hpp"
 #include "host/base/atomic_file.hpp"
 #include "host/base/error.hpp"
 #include "host/base/numbers.hpp"
@@ -105,6 +106,10 @@ void add_radiosity_options(CLI::App& command, RadiosityArguments& a) {
   add(command.add_option("--factor-memory", a.factor_mib,
                          "Memory for form factors [MiB], beyond which they are computed on demand (default: three "
                          "quarters of what the device has free)"));
+  add(command.add_option("--refine", a.refine,
+                         "Patches, at most, once those are cut that light varies on: at shadows' boundaries, near "
+                         "lamps. Form factors of the others are kept. 0: none are cut"))
+      ->capture_default_str();
   add(command.add_option("--residual-samples", a.residual_samples,
                          "Random points at which the equation of light is tried on the solution; 0: none"))
       ->capture_default_str();
@@ -152,6 +157,7 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a, const std::ve
   positive("--factor-memory", a.factor_mib, true);
   if (a.patches == 0) throw InputError("--patches", "0 patches show nothing; give how many there may be");
   RadiosityOptions options;
+  options.refine_patches = a.refine;
   options.mesh = {a.edge, a.patches, a.chord};
   for (const SolverKind kind : {SolverKind::automatic, SolverKind::jacobi, SolverKind::gauss_seidel,
                                 SolverKind::southwell, SolverKind::cg, SolverKind::gmres}) {
@@ -226,8 +232,10 @@ std::string radiosity_table(const Radiosity& r) {
   const RadiosityStatistics& s = r.statistics;
   const SolveStep& last = r.solution.history.back();
   std::string text;
-  text += fmt::format("mesh          {} patches of edges up to {:.3g} m{}, {:.0f} ms\n", r.mesh.patch_count(),
-                      r.mesh.edge_m,
+  const RefineReport& refinement = s.refinement;
+  const bool refined = !refinement.rounds.empty();
+  text += fmt::format("mesh          {} patches{} of edges up to {:.3g} m{}, {:.0f} ms\n", r.mesh.patch_count(),
+                      refined ? fmt::format(", of {} refined,", refinement.patches) : "", r.mesh.edge_m,
                       r.mesh.chord_m > 0.0 ? fmt::format(", tessellated to {:.2g} m", r.mesh.chord_m) : "", s.mesh_ms);
   if (r.solution.on_demand) {
     text += fmt::format("form factors  {} expected, {} allowed: {} rows computed on demand, {} rays\n",
@@ -251,6 +259,7 @@ std::string radiosity_table(const Radiosity& r) {
         "points\n",
         c.rms, c.rms_low, c.rms_high, c.radiosity_rms, c.samples);
   }
+  text += refinement_table(refinement);
   text += fmt::format("power         {:.6g} W sent, {:.6g} W absorbed\n", s.emitted_w, s.absorbed_w);
   return text;
 }
@@ -284,12 +293,10 @@ std::string radiosity_json(const Radiosity& r, const std::vector<std::string>& n
   json["unshot_w"] = r.solution.unshot_w;
   json["ambient"] = r.solution.ambient;
   if (r.continuous.samples > 0) {
-    const ContinuousResidual& c = r.continuous;
-    json["continuous_residual"] = {
-        {"samples", c.samples},         {"rays", c.rays},         {"rms", c.rms},
-        {"rms_low", c.rms_low},         {"rms_high", c.rms_high}, {"radiosity_rms", c.radiosity_rms},
-        {"milliseconds", s.residual_ms}};
+    json["continuous_residual"] = residual_json(r.continuous);
+    json["continuous_residual"]["milliseconds"] = s.residual_ms;
   }
+  if (!s.refinement.end.empty()) json["refinement"] = refinement_json(s.refinement);
   json["converged"] = r.solution.converged;
   json["largest_radiosity"] = r.solution.largest;
   for (const SolveStep& step : r.solution.history) {

@@ -19,13 +19,14 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   hemiray solve scenes/cornell_box.json -o cornell.glb                  walk around in any glTF viewer
   hemiray solve room.json -o room.glb --patches 20000 --points 4 --json > room.stats.json
+  hemiray solve room.json -o room.glb --patches 4000 --refine 12000     small patches where light varies
   hemiray solve room.json -o room.glb --edge 0.05 --solver jacobi --tolerance 1e-6
   hemiray solve room.json -o room.glb --patches 50000 --save room.solution      killed, or the machine fails; then
   hemiray solve room.json -o room.glb --patches 50000 --resume room.solution    goes on: the same bits
 
 The file holds the patches that light comes to, unlit, with the radiosity of every corner: exposed as COLOR_0, and in
 W/m^2 as _RADIOSITY. Interrupt (Ctrl-C) ends the solution, writes what is there and exits with 130. A file of --save is
-for render --method radiosity, too, with the same options of radiosity.)";
+for render --method radiosity, too, with the same options of radiosity, but for --refine: it has the solution before.)";
 
 struct SolveArguments {
   std::string scene, output, device;

@@ -1,24 +1,15 @@
 #include "host/radiosity/display.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <map>
 #include <numbers>
+#include <numeric>
 
+#include "host/radiosity/mesh_edges.hpp"
 #include "host/scene/flat_lights.hpp"
 
 namespace hemiray {
 namespace {
-
-using Place = std::array<std::uint32_t, 3>;  // bits of a position; -0 is 0
-
-Place place_of(const FlatScene& flat, std::uint32_t vertex) {
-  Place place{};
-  for (std::size_t i = 0; i < 3; i++)
-    place[i] = std::bit_cast<std::uint32_t>(flat.positions[std::size_t{3} * vertex + i] + 0.0F);
-  return place;
-}
 
 // The triangles around each place, and the place of each corner.
 struct Fans {
@@ -28,27 +19,42 @@ struct Fans {
 
 Fans fans_of(const PatchMesh& mesh) {
   Fans fans;
-  std::map<Place, std::uint32_t> places;
+  const std::vector<std::uint32_t> places = number_places(mesh.flat);
+  fans.triangles.resize(places.size());
   for (std::uint32_t i = 0; i < mesh.patch_count(); i++) {
     const shared::uint4& t = mesh.flat.triangles[i];
     for (const std::uint32_t vertex : {t.x, t.y, t.z}) {
-      const auto [found, is_new] =
-          places.try_emplace(place_of(mesh.flat, vertex), static_cast<std::uint32_t>(places.size()));
-      if (is_new) fans.triangles.emplace_back();
-      fans.triangles[found->second].push_back(i);
-      fans.of_corner.push_back(found->second);
+      fans.triangles[places[vertex]].push_back(i);
+      fans.of_corner.push_back(places[vertex]);
     }
   }
   return fans;
 }
 
-double cosine_of(const shared::float4& a, const shared::float4& b) {
-  return static_cast<double>(a.x) * static_cast<double>(b.x) + static_cast<double>(a.y) * static_cast<double>(b.y) +
-         static_cast<double>(a.z) * static_cast<double>(b.z);
+// Patches, and what comes to their sides, in the order of the scene's triangles; refined ones are not.
+struct OrderedPatches {
+  PatchMesh mesh;
+  std::vector<std::array<double, 3>> irradiance;
+};
+
+OrderedPatches in_order_of_faces(const PatchMesh& mesh, const std::vector<std::array<double, 3>>& irradiance) {
+  std::vector<std::uint32_t> order(mesh.patch_count());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::stable_sort(order, {}, [&mesh](std::uint32_t i) { return mesh.faces[i]; });
+  OrderedPatches ordered{mesh, irradiance};
+  for (std::size_t k = 0; k < order.size(); k++) {
+    const std::uint32_t i = order[k];
+    ordered.mesh.flat.triangles[k] = mesh.flat.triangles[i];
+    ordered.mesh.flat.triangle_objects[k] = mesh.flat.triangle_objects[i];
+    ordered.mesh.normals[k] = mesh.normals[i];
+    ordered.mesh.faces[k] = mesh.faces[i];
+    for (std::size_t side = 0; side < 2; side++)
+      ordered.irradiance[2 * k + side] = irradiance[std::size_t{2} * i + side];
+  }
+  return ordered;
 }
 
-// First patch that was cut from the scene's triangle `face`, or from a later one. Patches come in the order of
-// triangles.
+// First patch that was cut from the scene's triangle `face`, or from a later one.
 std::uint32_t first_patch_of(const PatchMesh& mesh, std::uint32_t face) {
   return static_cast<std::uint32_t>(std::ranges::lower_bound(mesh.faces, face) - mesh.faces.begin());
 }
@@ -120,17 +126,18 @@ FlatScene lit_patches(const PatchMesh& mesh, const std::vector<std::array<double
 FlatScene gathered_patches(const FlatScene& scene, const PatchMesh& mesh,
                            const std::vector<std::array<double, 3>>& irradiance, std::uint32_t rays,
                            const DisplayOptions& options) {
-  FlatScene flat = lit_patches(mesh, irradiance, options);
+  const OrderedPatches patches = in_order_of_faces(mesh, irradiance);
+  FlatScene flat = lit_patches(patches.mesh, patches.irradiance, options);
   flat.materials = scene.materials;
   flat.gather_rays = rays;
   flat.lights = scene.lights;
   for (shared::Light& light : flat.lights) {
     if (light.primitive_count == 0) continue;
-    const std::uint32_t end = first_patch_of(mesh, light.first_primitive + light.primitive_count);
-    light.first_primitive = first_patch_of(mesh, light.first_primitive);
+    const std::uint32_t end = first_patch_of(patches.mesh, light.first_primitive + light.primitive_count);
+    light.first_primitive = first_patch_of(patches.mesh, light.first_primitive);
     light.primitive_count = end - light.first_primitive;
   }
-  flat.emitters = emitters_of(mesh, flat.lights);
+  flat.emitters = emitters_of(patches.mesh, flat.lights);
   return flat;
 }
 

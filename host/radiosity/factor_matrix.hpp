@@ -33,6 +33,15 @@ struct FactorMatrix {
 /// A row as the host reads it.
 using FactorRow = std::vector<std::pair<std::uint32_t, float>>;
 
+/// A block as the host reads it: rows of these sides.
+struct SideRows {
+  std::vector<std::uint32_t> sides;
+  std::vector<FactorRow> rows;
+};
+
+SideRows read_rows(const FactorBlock& block);
+FactorBlock make_block(Context& context, const SideRows& rows);
+
 /// All rows by side; for tests and exports.
 std::vector<FactorRow> read_rows(const FactorMatrix& matrix);
 

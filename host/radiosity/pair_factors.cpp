@@ -45,8 +45,8 @@ PairFactors make_pair_factors(Context& context, Parallel& parallel, const PairSi
   near_counts.clear();
   sums.clear();
   const std::uint32_t blocks = (sides.stride + kFarColumns - 1) / kFarColumns;
-  for (std::uint32_t first = 0; first < sides.count; first += batch) {
-    const std::uint32_t count = std::min(batch, sides.count - first);
+  for (std::uint32_t first = 0; first < sides.rows; first += batch) {
+    const std::uint32_t count = std::min(batch, sides.rows - first);
     const Arguments table =
         arguments(arg("sides", sides.table), arg("stride", sides.stride), arg("flatness", sides.flatness),
                   arg("first", first), arg("row_count", count), arg("dense", dense));
@@ -77,7 +77,7 @@ PairFactors make_pair_factors(Context& context, Parallel& parallel, const PairSi
                      arg("stride", sides.stride), arg("row_count", count), arg("columns", block.columns),
                      arg("values", block.values)));
     result.matrix.blocks.push_back(std::move(block));
-    if (on_progress && !on_progress(static_cast<double>(first + count) / sides.count)) break;
+    if (on_progress && !on_progress(static_cast<double>(first + count) / sides.rows)) break;
   }
   for (const shared::float4& s : sums.read()) {
     result.sums.push_back(

@@ -32,13 +32,13 @@ struct PairWatcher {
 struct PairFactors {
   FactorMatrix matrix;  ///< its values are exchange areas A_i F_ij [m^2], symmetric to the bit, until scale_pairs()
   std::vector<RowSums> sums;     ///< by number
-  std::uint64_t near_pairs = 0;  ///< by the contour integral, each counted once
+  std::uint64_t near_pairs = 0;  ///< by the contour integral, each counted once where all rows are wanted
   double pairs_ms = 0.0;
 };
 
-/// Rows of all these sides. Symmetric to the bit: A_i F_ij = A_j F_ji. Quadrature is off by HR_PAIR_FAR_ERROR at most,
-/// relative. `on_progress` gets the fraction done; returning false leaves the rest of the rows out. Throws DeviceError,
-/// InputError for a device without double precision.
+/// Rows of the sides that they are wanted of, to all. Symmetric to the bit: A_i F_ij = A_j F_ji. Quadrature is off by
+/// HR_PAIR_FAR_ERROR at most, relative. `on_progress` gets the fraction done; returning false leaves the rest of the
+/// rows out. Throws DeviceError, InputError for a device without double precision.
 PairFactors make_pair_factors(Context& context, Parallel& parallel, const PairSides& sides,
                               const PairVisibility& visibility, const PairWatcher& watcher = {},
                               const std::function<bool(double)>& on_progress = {});

@@ -49,20 +49,23 @@ std::vector<std::uint32_t> neighbours_of(const PatchMesh& mesh, const std::vecto
 
 }  // namespace
 
-PairSides::PairSides(Context& context, const PatchMesh& mesh, std::span<const std::uint32_t> sides)
+PairSides::PairSides(Context& context, const PatchMesh& mesh, std::span<const std::uint32_t> sides,
+                     std::uint32_t rows_wanted, std::uint32_t rows_traced)
     : count(static_cast<std::uint32_t>(sides.size())),
       stride((count + HR_SIDE_PADDING - 1) / HR_SIDE_PADDING * HR_SIDE_PADDING),
+      rows(rows_wanted),
+      traced(rows_traced),
       ids(sides.begin(), sides.end()) {
   float largest = 0.0F;
   for (const float p : mesh.flat.positions) largest = std::max(largest, std::abs(p));
   flatness = kFlatnessUlps * std::numeric_limits<float>::epsilon() * largest;
 
-  std::vector<float> rows(std::size_t{HR_SIDE_ROWS} * stride, 0.0F);
+  std::vector<float> values(std::size_t{HR_SIDE_ROWS} * stride, 0.0F);
   std::vector<shared::float4> all_corners(std::size_t{3} * stride);
   std::vector<std::uint32_t> own_blockers(stride, HR_NO_SIDE), numbers(mesh.side_count(), HR_NO_SIDE);
   for (std::uint32_t i = 0; i < count; i++) {
     const auto put = [&](std::uint32_t row, double value) {
-      rows[std::size_t{row} * stride + i] = static_cast<float>(value);
+      values[std::size_t{row} * stride + i] = static_cast<float>(value);
     };
     const auto put3 = [&](std::uint32_t row, const DVec3& v) {
       put(row, v.x);
@@ -89,7 +92,7 @@ PairSides::PairSides(Context& context, const PatchMesh& mesh, std::span<const st
     own_blockers[i] = mesh.blocker_of[ids[i] / 2];
     numbers[ids[i]] = i;
   }
-  table = Buffer<float>(context, "pair sides", std::span<const float>(rows));
+  table = Buffer<float>(context, "pair sides", std::span<const float>(values));
   corners = Buffer<shared::float4>(context, "pair corners", std::span<const shared::float4>(all_corners));
   blockers = Buffer<std::uint32_t>(context, "pair blockers", std::span<const std::uint32_t>(own_blockers));
   const std::vector<std::uint32_t> around = neighbours_of(mesh, ids, stride);

@@ -76,17 +76,20 @@ class Finder {
     const std::uint32_t blocks = sides_.stride / kBlockColumns;
     const auto step = static_cast<std::uint32_t>(std::max(1U, kItemsALaunch / blocks));
     const Buffer<std::uint32_t> rays(context_, "rays of pairs", std::size_t{step} * blocks);
-    for (std::uint32_t first = 0; first < sides_.count; first += step) {
-      const std::uint32_t rows = std::min(step, sides_.count - first);
+    // Row i has rays to those after it.
+    const auto done = [this](std::uint32_t rows) {
+      const double left = 1.0 - static_cast<double>(rows) / sides_.count;
+      return 1.0 - left * left;
+    };
+    for (std::uint32_t first = 0; first < sides_.traced; first += step) {
+      const std::uint32_t rows = std::min(step, sides_.traced - first);
       launch(context_, trace_->kernel("radiosity_trace_pairs"), std::uint64_t{rows} * blocks,
              arguments(scene_arguments(), arg("sides", sides_.table), arg("own_blockers", sides_.blockers),
                        arg("stride", sides_.stride), arg("count", sides_.count), arg("flatness", sides_.flatness),
                        arg("first", first), arg("row_count", rows), arg("visible", found.visible),
                        arg("hidden", hidden), arg("cut", cut), arg("rays", rays), arg("params", query_params(scene_))));
       found.pair_rays += sum_of(rays.read(0, std::size_t{rows} * blocks));
-      // Row i has rays to those after it.
-      const double left = 1.0 - static_cast<double>(first + rows) / sides_.count;
-      if (on_progress && !on_progress(0.5 * (1.0 - left * left))) return false;
+      if (on_progress && !on_progress(0.5 * done(first + rows) / done(sides_.traced))) return false;
     }
     found.rays = found.pair_rays;
     return true;
@@ -110,15 +113,16 @@ class Finder {
     grow(hidden, half);
     grow(half, found.partial);
     found.starts = Buffer<std::uint32_t>(context_, "partial starts", sides_.count + std::size_t{1});
-    launch(context_, bits_.kernel("radiosity_tell_pairs"), sides_.count,
-           arguments(arg("grown_visible", seen), arg("hidden", hidden), arg("cut", cut), arg("count", sides_.count),
+    found.starts.clear();
+    launch(context_, bits_.kernel("radiosity_tell_pairs"), sides_.rows,
+           arguments(arg("grown_visible", seen), arg("hidden", hidden), arg("cut", cut), arg("count", sides_.rows),
                      arg("words", words_), arg("visible", found.visible), arg("partial", found.partial),
                      arg("counts", found.starts)));
     parallel_.exclusive_scan(found.starts, sides_.count);
     found.pairs = found.starts.read(sides_.count, 1).front();
     found.columns = Buffer<std::uint32_t>(context_, "partial columns", found.pairs);
-    launch(context_, bits_.kernel("radiosity_list_partial"), sides_.count,
-           arguments(arg("partial", found.partial), arg("starts", found.starts), arg("count", sides_.count),
+    launch(context_, bits_.kernel("radiosity_list_partial"), sides_.rows,
+           arguments(arg("partial", found.partial), arg("starts", found.starts), arg("count", sides_.rows),
                      arg("words", words_), arg("columns", found.columns)));
   }
 

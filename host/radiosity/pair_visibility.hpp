@@ -25,11 +25,11 @@ struct PairVisibility {
   double trace_ms = 0.0, sample_ms = 0.0;
 };
 
-/// A ray from centroid to centroid of each pair that face each other. A pair counts as partly hidden if another one of
-/// sides next to it (sharing an edge) got the other answer, if its sides are close for their size, or face each other
-/// only in part; then rays tested against what lies in its shaft tell how much is seen. Rays meet the mesh's blockers.
-/// `on_progress` gets the fraction done; returning false throws nothing and leaves the rest unseen. Throws DeviceError,
-/// also where bit matrices exceed the largest allocation.
+/// A ray from centroid to centroid of each pair that face each other, of those with a side that rows are wanted of. A
+/// pair counts as partly hidden if another one of sides next to it (sharing an edge) got the other answer, if its sides
+/// are close for their size, or face each other only in part; then rays tested against what lies in its shaft tell how
+/// much is seen. Rays meet the mesh's blockers. `on_progress` gets the fraction done; returning false throws nothing
+/// and leaves the rest unseen. Throws DeviceError, also where bit matrices exceed the largest allocation.
 PairVisibility find_visibility(Context& context, Parallel& parallel, const PatchMesh& mesh, const PairSides& sides,
                                const VisibilityOptions& options, const std::function<bool(double)>& on_progress = {});
 

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/radiosity/cut_patches.hpp"
 #include "host/radiosity/round_surface.hpp"
 
 namespace hemiray {
@@ -19,11 +20,6 @@ namespace {
 
 constexpr double kDefaultChord = 0.01;  // of a round surface's radius
 constexpr std::uint32_t kMostPatches = 1U << 22U;
-
-Vec3 position_of(const FlatScene& flat, std::uint32_t vertex) {
-  const float* p = &flat.positions[std::size_t{3} * vertex];
-  return {p[0], p[1], p[2]};
-}
 
 // A triangle's corners while it is cut: places decide, so that both sides of an edge decide alike.
 struct Corner {
@@ -139,16 +135,6 @@ class Mesher {
       to.normals.resize(to.positions.size(), 0.0F);
   }
 
-  std::uint32_t append(const Vec3& p, const Vec3& normal) {
-    FlatScene& to = mesh_.flat;
-    const auto index = static_cast<std::uint32_t>(to.positions.size() / 3);
-    to.positions.insert(to.positions.end(), {p.x, p.y, p.z});
-    if (!to.normals.empty()) to.normals.insert(to.normals.end(), {normal.x, normal.y, normal.z});
-    if (!to.uvs.empty()) to.uvs.push_back({0.0F, 0.0F});
-    if (!to.colors.empty()) to.colors.insert(to.colors.end(), {1.0F, 1.0F, 1.0F});
-    return index;
-  }
-
   // Each part is one face: all of it is reached by light, or nothing.
   void add_round(const RoundSurface& surface, const shared::Shape* shape, std::uint32_t material,
                  std::uint32_t object) {
@@ -160,7 +146,8 @@ class Mesher {
       for (std::size_t i = 0; i < 3; i++) {
         const Vec3 p(f.corners[i]);
         const auto [found, is_new] = (f.flat ? caps : side).try_emplace({p.x, p.y, p.z}, 0U);
-        if (is_new) found->second = append(p, f.flat ? Vec3(0.0F) : Vec3(round->normal(f.corners[i])));
+        if (is_new)
+          found->second = append_vertex(mesh_.flat, p, f.flat ? Vec3(0.0F) : Vec3(round->normal(f.corners[i])));
         face.vertices[i] = found->second;
       }
       faces_.push_back(face);
@@ -214,37 +201,10 @@ class Mesher {
     return good;
   }
 
-  // The vertex halfway between two, made once.
-  std::uint32_t halfway(std::uint32_t a, std::uint32_t b, const Vec3& place, const RoundSurface* round) {
-    const std::pair<std::uint32_t, std::uint32_t> key = std::minmax(a, b);
-    const auto found = halves_.find(key);
-    if (found != halves_.end()) return found->second;
-    FlatScene& to = mesh_.flat;
-    Vec3 normal(0.0F);
-    if (round != nullptr) {
-      normal = Vec3(round->normal(DVec3(place)));
-    } else if (!to.normals.empty()) {
-      const float *na = &to.normals[std::size_t{3} * a], *nb = &to.normals[std::size_t{3} * b];
-      const Vec3 va(na[0], na[1], na[2]), vb(nb[0], nb[1], nb[2]);
-      const Vec3 sum = va + vb;
-      if (va != Vec3(0.0F) && vb != Vec3(0.0F) && glm::length(sum) > 0.0F) normal = glm::normalize(sum);
-    }
-    const std::uint32_t vertex = append(place, normal);
-    if (!to.uvs.empty()) {
-      to.uvs[vertex] = {0.5F * (to.uvs[a].x + to.uvs[b].x), 0.5F * (to.uvs[a].y + to.uvs[b].y)};
-    }
-    for (std::size_t i = 0; i < 3 && !to.colors.empty(); i++) {
-      to.colors[std::size_t{3} * vertex + i] =
-          0.5F * (to.colors[std::size_t{3} * a + i] + to.colors[std::size_t{3} * b + i]);
-    }
-    halves_.emplace(key, vertex);
-    return vertex;
-  }
-
   void cut(double edge_m) {
     for (const Face& face : faces_) {
       const auto split = [&](const Corner& a, const Corner& b, const Vec3& place) {
-        return halfway(a.vertex, b.vertex, place, face.flat ? nullptr : face.round);
+        return middles_.halfway(a.vertex, b.vertex, place, face.flat ? nullptr : face.round);
       };
       const std::size_t first = mesh_.blockers.size();
       bisect(corners_of(face), face.round, targets_for(face, edge_m), split, [&](const std::array<Corner, 3>& t) {
@@ -262,12 +222,10 @@ class Mesher {
 
   // False: it has no area, so nothing leaves it and nothing meets it.
   bool add_patch(const std::array<Corner, 3>& t, const Face& face) {
-    const DVec3 a(t[0].position), b(t[1].position), c(t[2].position);
-    const DVec3 cross = glm::cross(b - a, c - a);
-    const double twice = glm::length(cross);
-    if (!(twice > 0.0)) return false;
-    const Vec3 n(cross / twice);
-    mesh_.normals.push_back({n.x, n.y, n.z, static_cast<float>(0.5 * twice)});
+    const Vec3 &a = t[0].position, &b = t[1].position, &c = t[2].position;
+    const std::optional<shared::float4> plane = plane_of(a, b, c);
+    if (!plane) return false;
+    mesh_.normals.push_back(*plane);
     mesh_.flat.triangles.push_back({t[0].vertex, t[1].vertex, t[2].vertex, face.material});
     mesh_.flat.triangle_objects.push_back(face.object);
     mesh_.faces.push_back(face.face);
@@ -280,17 +238,18 @@ class Mesher {
       const DVec3 p(t[i].position), q(t[(i + 1) % 3].position);
       mesh_.chord_m = std::max(mesh_.chord_m, glm::length(face.round->halfway(p, q) - 0.5 * (p + q)));
     }
-    if (!face.flat) mesh_.chord_m = std::max(mesh_.chord_m, face.round->distance((a + b + c) / 3.0));
+    if (!face.flat)
+      mesh_.chord_m = std::max(mesh_.chord_m, face.round->distance((DVec3(a) + DVec3(b) + DVec3(c)) / 3.0));
     return true;
   }
 
   const FlatScene& from_;
   const PatchOptions& options_;
   PatchMesh mesh_;
+  EdgeMiddles middles_{mesh_.flat};
   std::vector<Face> faces_;
   std::vector<RoundSurface> round_;
   std::uint32_t face_count_ = 0;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> halves_;
 };
 
 }  // namespace

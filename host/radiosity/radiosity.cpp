@@ -8,54 +8,13 @@
 #include "host/base/clock.hpp"
 #include "host/base/error.hpp"
 #include "host/base/numbers.hpp"
-#include "host/bvh/ray_queries.hpp"
 #include "host/radiosity/factor_memory.hpp"
+#include "host/radiosity/refinement.hpp"
+#include "host/radiosity/side_light.hpp"
 #include "host/radiosity/solution_key.hpp"
-#include "host/scene/features.hpp"
 
 namespace hemiray {
 namespace {
-
-constexpr std::uint32_t kDirectPoints = 4;  // HR_DIRECT_POINTS of radiosity/direct.cl
-constexpr std::uint32_t kLightFeatures = HR_FEATURE_LIGHTS | HR_FEATURE_POINT_LIGHTS | HR_FEATURE_DIRECTIONAL_LIGHTS |
-                                         HR_FEATURE_SPOT_LIGHTS | HR_FEATURE_AREA_LIGHTS;
-
-// Those that are not surfaces of the scene: these are patches already.
-std::vector<shared::Light> lights_alone(const FlatScene& flat) {
-  std::vector<shared::Light> lights;
-  std::copy_if(flat.lights.begin(), flat.lights.end(), std::back_inserter(lights), [](const shared::Light& light) {
-    return light.kind != HR_LIGHT_EMITTERS && light.primitive_count == 0;
-  });
-  return lights;
-}
-
-// What they bring to the sides [W/m^2].
-std::vector<shared::float4> direct_light(Context& context, AccelBuilder& builder, const FlatScene& flat,
-                                         const PatchMesh& mesh) {
-  const std::vector<shared::Light> lights = lights_alone(flat);
-  if (lights.empty()) return std::vector<shared::float4>(mesh.side_count());
-  FlatScene lit = mesh.flat;
-  lit.lights = lights;
-  const DeviceScene scene(context, lit, HR_FEATURE_TRIANGLES | kLightFeatures);
-  const Accel accel(builder, scene);
-  Program program(context, "direct light", {"radiosity/direct.cl"}, accel.program_options(scene.features(), false));
-  const Buffer<shared::float4> normals(context, "patch normals", std::span(mesh.normals));
-  const Buffer<shared::float4> direct(context, "direct light", std::size_t{kDirectPoints} * mesh.side_count());
-  shared::RenderParams params = query_params(scene);
-  params.light_count = scene.light_count();
-  launch(context, program.kernel("radiosity_add_direct"), direct.size(),
-         arguments(scene.shading_arguments(), accel.tree_arguments(), arg("patch_normals", normals),
-                   arg("direct", direct), arg("count", mesh.side_count()), arg("params", params)));
-  const std::vector<shared::float4> points = direct.read();
-  std::vector<shared::float4> means(mesh.side_count());
-  for (std::size_t i = 0; i < points.size(); i++) {
-    shared::float4& mean = means[i / kDirectPoints];
-    mean.x += points[i].x / kDirectPoints;
-    mean.y += points[i].y / kDirectPoints;
-    mean.z += points[i].z / kDirectPoints;
-  }
-  return means;
-}
 
 std::array<double, 3> rgb(const shared::float4& v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
@@ -126,6 +85,49 @@ Solution solve_on_demand(Context& context, Hemicubes& hemicubes, const PatchMesh
   return solve_radiosity_on_demand(context, mesh, rows, options);
 }
 
+void sum_power(const SideLight& light, Radiosity& result) {
+  for (std::uint32_t s = 0; s < result.mesh.side_count(); s++) {
+    const auto area = static_cast<double>(result.mesh.normals[s / 2].w);
+    const std::array<double, 3> rho = rgb(result.mesh.reflectance[s]), tau = rgb(result.mesh.transmittance[s ^ 1U]),
+                                e = rgb(light.emission[s]), d = rgb(light.direct[s]);
+    for (std::size_t c = 0; c < 3; c++) {
+      result.statistics.emitted_w += area * (e[c] + d[c]);
+      result.statistics.absorbed_w += area * (1.0 - rho[c] - tau[c]) * result.irradiance[s][c];
+    }
+  }
+}
+
+// What is unshot, on all that is lit.
+void add_ambient(Radiosity& result) {
+  for (std::uint32_t s = 0; s < result.mesh.side_count(); s++) {
+    if (std::ranges::none_of(result.solution.irradiance[s], [](double h) { return h > 0.0; })) continue;
+    for (std::size_t c = 0; c < 3; c++) result.irradiance[s][c] += result.solution.ambient[c];
+  }
+}
+
+// Before anything is computed, or before it is refined.
+void check_refinable(const RadiosityOptions& options, const PatchMesh& mesh) {
+  if (options.refine_patches == 0 || options.refine_patches > mesh.patch_count()) return;
+  throw InputError("--refine", fmt::format("{} patches are no more than the {} that the mesh has to begin with; take "
+                                           "more, or fewer --patches",
+                                           options.refine_patches, mesh.patch_count()));
+}
+
+void check_refined_memory(const RadiosityOptions& options, const PatchMesh& mesh, bool on_demand,
+                          const RadiosityStatistics& statistics) {
+  if (options.refine_patches == 0) return;
+  const double growth = static_cast<double>(options.refine_patches) / mesh.patch_count();
+  const double bytes = static_cast<double>(statistics.factor_bytes) * growth * growth;
+  if (!on_demand && bytes <= static_cast<double>(statistics.factor_limit)) return;
+  throw InputError("--refine",
+                   on_demand ? "needs form factors that are kept, and they do not fit; take fewer --patches, or more "
+                               "--factor-memory"
+                             : fmt::format("the form factors of {} patches may take {}, and {} may be taken; take "
+                                           "fewer, or more --factor-memory",
+                                           options.refine_patches, format_bytes(static_cast<std::uint64_t>(bytes)),
+                                           format_bytes(statistics.factor_limit)));
+}
+
 }  // namespace
 
 Radiosity compute_radiosity(Context& context, const FlatScene& flat, const RadiosityOptions& options) {
@@ -138,6 +140,7 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   };
   result.mesh = make_patch_mesh(flat, options.mesh);
   PatchMesh& mesh = result.mesh;
+  check_refinable(options, mesh);
   SolutionFile file(context, options.keep, solution_key(context, flat, options), mesh);
   SolutionState kept = file.take_state();
   statistics.kept_rows = kept.factors.rows();
@@ -148,31 +151,23 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   Parallel parallel(context);
   AccelBuilder builder(context, parallel);
   Hemicubes hemicubes(context, parallel, builder, mesh, factors.hemicube);
-  const std::vector<shared::float4> direct = direct_light(context, builder, flat, mesh);
-  std::vector<std::uint32_t> sources;
-  const std::vector<shared::float4> own_emission = mesh.emission;
-  for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
-    const shared::float4 rho = mesh.reflectance[s], tau = mesh.transmittance[s], d = direct[s], other = direct[s ^ 1U];
-    shared::float4& e = mesh.emission[s];
-    e = {e.x + rho.x * d.x + tau.x * other.x, e.y + rho.y * d.y + tau.y * other.y, e.z + rho.z * d.z + tau.z * other.z,
-         e.w};
-    if (e.x > 0.0F || e.y > 0.0F || e.z > 0.0F) sources.push_back(s);
-  }
+  SideLight light = light_sides(context, builder, flat, mesh);
   context.finish();
   statistics.tree_ms = lap();
 
   statistics.expected_factor_bytes = kept.expected_factor_bytes;
-  const FactorMatrix matrix =
+  FactorMatrix matrix =
       kept.stage != FactorStage::some ? std::move(kept.factors)
       : factors.method == FormFactors::hemicube
-          ? stored_factors(context, hemicubes, mesh, sources, options, std::move(kept.factors), file, statistics)
-          : paired_factors(context, parallel, hemicubes, mesh, sources, factors, options, statistics);
+          ? stored_factors(context, hemicubes, mesh, light.sources, options, std::move(kept.factors), file, statistics)
+          : paired_factors(context, parallel, hemicubes, mesh, light.sources, factors, options, statistics);
   const bool on_demand = statistics.expected_factor_bytes > statistics.factor_limit;
   context.finish();
   statistics.factors_ms = lap();
   statistics.factor_bytes = matrix.bytes();
   statistics.entries = matrix.entries();
   statistics.rows = matrix.rows();
+  check_refined_memory(options, mesh, on_demand, statistics);
 
   SolveOptions solve = options.solve;
   solve.continue_from = std::move(kept.solver);
@@ -192,24 +187,17 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   }
   statistics.rays = hemicubes.rays_traced() + statistics.factors.pair_rays + statistics.factors.sample_rays;
   statistics.solve_ms = lap();
-  result.irradiance = result.solution.irradiance;
-  for (std::uint32_t s = 0; s < mesh.side_count(); s++) {
-    const auto area = static_cast<double>(mesh.normals[s / 2].w);
-    const std::array<double, 3> rho = rgb(mesh.reflectance[s]), tau = rgb(mesh.transmittance[s ^ 1U]),
-                                e = rgb(own_emission[s]), d = rgb(direct[s]);
-    const bool is_lit = std::ranges::any_of(result.solution.irradiance[s], [](double h) { return h > 0.0; });
-    for (std::size_t c = 0; c < 3; c++) {
-      result.irradiance[s][c] += d[c];
-      statistics.emitted_w += area * (e[c] + d[c]);
-      statistics.absorbed_w += area * (1.0 - rho[c] - tau[c]) * result.irradiance[s][c];
-      if (is_lit) result.irradiance[s][c] += result.solution.ambient[c];
-    }
-  }
+  result.irradiance = light.with_direct(result.solution.irradiance);
   if (options.residual_samples > 0) {
     result.continuous = find_continuous_residual(context, hemicubes, mesh, result.solution.radiosity,
                                                  options.residual_samples, options.factors.hemicube.seed);
     statistics.residual_ms = lap();
   }
+  if (options.refine_patches > 0) {
+    refine_solution(context, parallel, builder, flat, options, factors, std::move(matrix), light, result);
+  }
+  sum_power(light, result);
+  add_ambient(result);
   statistics.peak_bytes = context.peak_bytes();
   return result;
 }

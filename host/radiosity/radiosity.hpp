@@ -23,8 +23,31 @@ struct RadiosityOptions {
   SolveOptions solve;
   std::uint64_t factor_bytes = 0;  ///< for form factors, at most; 0: most of what is free on the device
   KeepOptions keep;
+  /// The mesh is refined where the solution asks for it, to at most so many patches; 0: it is not. More than the mesh
+  /// has to begin with.
+  std::uint32_t refine_patches = 0;
   std::uint32_t residual_samples = 4096;  ///< points at which the equation of light is tried; 0: none
   std::function<bool(const std::string& step, double fraction)> on_progress;  ///< returning false ends the step early
+};
+
+/// A mesh refined once, and its solution.
+struct RefineRound {
+  std::uint32_t patches = 0, cut = 0;     ///< now; of those before, how many were cut
+  std::uint64_t made_rows = 0, rows = 0;  ///< form factors computed anew; of all
+  std::uint64_t rays = 0;                 ///< for them
+  double jump = 0.0;                      ///< after it: between neighbours, as RefineReport::jump
+  double mesh_ms = 0.0, factors_ms = 0.0, solve_ms = 0.0;
+  ContinuousResidual continuous;  ///< after it
+};
+
+struct RefineReport {
+  std::uint32_t patches = 0;  ///< before
+  /// What neighbours' light differs by (refine_choice.hpp), the root of its mean square over area [W/m^2], before: what
+  /// the continuous residual is due to, without the noise of its rays, which a small lamp is lost in.
+  double jump = 0.0;
+  ContinuousResidual continuous;  ///< before
+  std::vector<RefineRound> rounds;
+  std::string end;  ///< why there are no more
 };
 
 struct RadiosityStatistics {
@@ -42,6 +65,7 @@ struct RadiosityStatistics {
   double residual_ms = 0.0;
   FactorReport factors;
   std::string why_hemicubes;  ///< where pair by pair was asked for, and the factors would not fit; else empty
+  RefineReport refinement;
   bool interrupted = false;
 };
 
@@ -58,8 +82,11 @@ struct Radiosity {
 /// come in as rho times the irradiance they bring. Where the factors would take more than their memory, which is known
 /// from the first rows before the others are computed, southwell solves without a matrix; InputError if another solver
 /// is asked for. `keep` has a file written at the start, between batches of hemicubes' rows (factors pair by pair are
-/// kept once they are whole), between iterations, on interrupt and at the end; from it the same bits come out. Throws
-/// InputError for what cannot be meshed or solved, DeviceError if the device fails or is too small.
+/// kept once they are whole), between iterations, on interrupt and at the end; from it the same bits come out. Then the
+/// mesh is refined, if asked for; the file has the solution before. Mesh, solution and its bounds, irradiance and
+/// continuous residual are then those of the refined mesh, as are the statistics' rows, entries and bytes; rays and
+/// times are of all, the report of factors and the forecast of memory of the first mesh. Throws InputError for what
+/// cannot be meshed, solved or refined, DeviceError if the device fails or is too small.
 Radiosity compute_radiosity(Context& context, const FlatScene& flat, const RadiosityOptions& options);
 
 }  // namespace hemiray

@@ -29,6 +29,11 @@ std::array<float, 3> pixel(const Image& image, int x, int y) {
   return {p[0], p[1], p[2]};
 }
 
+std::string read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 constexpr const char* kCube = R"(v 0 0 0
 v 1 0 0
 v 1 1 0
@@ -70,6 +75,40 @@ TEST_CASE("solve writes a glTF file that loads again, and tells how it converged
   REQUIRE(scene.meshes.size() == 1);
   CHECK(scene.meshes[0].triangles.size() == json["rows"].get<std::size_t>());
   CHECK(scene.meshes[0].colors.size() == 3 * scene.meshes[0].triangles.size());
+}
+
+TEST_CASE("solve --refine cuts patches where light varies, and tells what that gains") {
+  const TempFolder folder;
+  const std::string glb = (folder / "cornell.glb").string();
+  const auto solve = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"solve", kCornellBox, "-o", glb, "--patches", "300"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  };
+  const ProgramResult result = solve({"--refine", "500", "--residual-samples", "256", "--json"});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  const auto json = nlohmann::json::parse(result.out);
+  const auto& refinement = json["refinement"];
+  REQUIRE(!refinement["rounds"].empty());
+  const auto& last = refinement["rounds"].back();
+  CHECK(json["patches"] == last["patches"]);
+  CHECK(last["patches"].get<int>() <= 500);
+  CHECK(last["patches"].get<int>() > refinement["patches"].get<int>());
+  CHECK(last["made_rows"].get<int>() < last["rows"].get<int>());
+  CHECK(last["continuous_residual"]["rms"].get<double>() < refinement["continuous_residual"]["rms"].get<double>());
+  CHECK(refinement["end"].get<std::string>().find("500 patches") != std::string::npos);
+  CHECK(load_scene(glb).meshes[0].triangles.size() == json["rows"].get<std::size_t>());
+
+  const std::string before = read_text(glb);
+  const ProgramResult few = solve({"--refine", "200"});
+  CHECK(few.exit_code == 2);
+  CHECK_THAT(few.err, Catch::Contains("--refine: 200 patches are no more than"));
+  const ProgramResult no_room = solve({"--refine", "500", "--factor-memory", "0.1", "--form-factors", "hemicube"});
+  CHECK(no_room.exit_code == 2);
+  CHECK_THAT(no_room.err, Catch::Contains("--factor-memory"));
+  CHECK(run_program({"render", kCornellBox, "-o", (folder / "a.exr").string(), "--refine", "500"}).exit_code == 2);
+  CHECK(read_text(glb) == before);
 }
 
 TEST_CASE("render --method radiosity shows colours bleeding, and nothing of it without") {

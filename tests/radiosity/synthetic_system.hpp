@@ -38,32 +38,16 @@ inline PatchMesh synthetic_mesh(const std::vector<SyntheticPatch>& patches) {
 inline FactorMatrix matrix_of(Context& context, const std::vector<FactorRow>& rows, std::uint32_t block_rows = 4096) {
   FactorMatrix matrix;
   matrix.side_count = static_cast<std::uint32_t>(rows.size());
-  std::vector<std::uint32_t> sides, starts = {0}, columns;
-  std::vector<float> values;
+  SideRows some;
   const auto flush = [&] {
-    if (sides.empty()) return;
-    FactorBlock block;
-    block.row_count = static_cast<std::uint32_t>(sides.size());
-    block.entries = static_cast<std::uint32_t>(values.size());
-    block.rows = Buffer<std::uint32_t>(context, "rows", std::span<const std::uint32_t>(sides));
-    block.starts = Buffer<std::uint32_t>(context, "starts", std::span<const std::uint32_t>(starts));
-    block.columns = Buffer<std::uint32_t>(context, "columns", std::span<const std::uint32_t>(columns));
-    block.values = Buffer<float>(context, "values", std::span<const float>(values));
-    matrix.blocks.push_back(std::move(block));
-    sides.clear();
-    starts = {0};
-    columns.clear();
-    values.clear();
+    if (!some.sides.empty()) matrix.blocks.push_back(make_block(context, some));
+    some = {};
   };
   for (std::uint32_t s = 0; s < rows.size(); s++) {
     if (rows[s].empty()) continue;
-    sides.push_back(s);
-    for (const auto& [column, value] : rows[s]) {
-      columns.push_back(column);
-      values.push_back(value);
-    }
-    starts.push_back(static_cast<std::uint32_t>(values.size()));
-    if (sides.size() == block_rows) flush();
+    some.sides.push_back(s);
+    some.rows.push_back(rows[s]);
+    if (some.sides.size() == block_rows) flush();
   }
   flush();
   return matrix;

@@ -16,22 +16,11 @@ namespace {
 
 using test::RadiosityBench;
 
-// Six faces of a box seen from outside.
-void add_box(FlatScene& flat, Vec3 lo, Vec3 hi, std::uint32_t material) {
-  const Vec3 d = hi - lo, x(d.x, 0, 0), y(0, d.y, 0), z(0, 0, d.z);
-  test::add_quad(flat, lo, z, y, material);
-  test::add_quad(flat, lo + x, y, z, material);
-  test::add_quad(flat, lo, x, z, material);
-  test::add_quad(flat, lo + y, z, x, material);
-  test::add_quad(flat, lo, y, x, material);
-  test::add_quad(flat, lo + z, x, y, material);
-}
-
 FlatScene occluded_room() {
   FlatScene flat = test::flat_without_materials();
   const std::uint32_t grey = test::add_material(flat, Vec3(0.5F), Vec3(0.0F));
   test::add_room(flat, Vec3(2.0F, 1.5F, 2.0F), grey);
-  add_box(flat, Vec3(0.53F, 0.31F, 0.57F), Vec3(1.13F, 0.87F, 1.21F), grey);
+  test::add_box(flat, Vec3(0.53F, 0.31F, 0.57F), Vec3(1.13F, 0.87F, 1.21F), grey);
   return flat;
 }
 
