@@ -7,6 +7,9 @@
 namespace hemiray {
 namespace {
 
+// A part may look out of the room where the whole did not: then its row is off one by more than this, and left so.
+constexpr double kPartSlack = 0.05;
+
 constexpr std::size_t kBlockEntries = std::size_t{1} << 23U;  // so that blocks do not outgrow what devices allocate
 
 class Assembler {
@@ -186,10 +189,12 @@ RefinedFactors refine_factors(Context& context, Parallel& parallel, Hemicubes& h
     result.rays = hemicubes.rays_traced() - before;
   }
   if (result.interrupted) return result;
+  std::vector<double> slack(mesh.side_count(), -1.0);
   const std::vector<bool> closed = inherited(refined, closed_rows(old));
+  for (std::size_t s = 0; s < slack.size(); s++) slack[s] = closed[s] ? kPartSlack : -1.0;
   result.matrix = Assembler(context, refined, paired).assemble(old, fresh);
   if (paired) {
-    scale_pairs(context, mesh, result.matrix, closed, options.method == FormFactors::hybrid);
+    scale_pairs(context, mesh, result.matrix, slack, options.method == FormFactors::hybrid);
     context.finish();
   }
   return result;

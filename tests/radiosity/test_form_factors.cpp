@@ -262,7 +262,7 @@ TEST_CASE("rows of patches that something stands on are closed in a closed room 
       flat.triangle_objects.resize(flat.triangles.size());
     }
     const std::ptrdiff_t bottom = static_cast<std::ptrdiff_t>(flat.triangles.size()) + 4;
-    add_box(flat, Vec3(0.53F, 0.0F, 1.03F), Vec3(1.13F, 0.87F, 1.71F), grey);
+    test::add_box(flat, Vec3(0.53F, 0.0F, 1.03F), Vec3(1.13F, 0.87F, 1.71F), grey);
     flat.triangles.erase(flat.triangles.begin() + bottom, flat.triangles.begin() + bottom + 2);
     flat.triangle_objects.resize(flat.triangles.size());
     const PatchMesh mesh = make_patch_mesh(flat, {0.0, 900, 0.0});
