@@ -1,11 +1,8 @@
 // What radiosity's tests share: meshes, and their factors on the default device.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
-#include <map>
-#include <utility>
 #include <vector>
 
 #include "host/radiosity/hemicubes.hpp"
@@ -58,30 +55,6 @@ inline void add_box(FlatScene& flat, Vec3 lo, Vec3 hi, std::uint32_t material) {
   add_quad(flat, lo + y, z, x, material);
   add_quad(flat, lo, y, x, material);
   add_quad(flat, lo + z, x, y, material);
-}
-
-inline double area_of(const PatchMesh& mesh) {
-  double sum = 0.0;
-  for (const shared::float4& n : mesh.normals) sum += static_cast<double>(n.w);
-  return sum;
-}
-
-/// Edges by their places that only one triangle has.
-inline std::size_t lonely_edges(const PatchMesh& mesh) {
-  using Place = std::array<float, 3>;
-  std::map<std::pair<Place, Place>, int> uses;
-  for (const shared::uint4& t : mesh.flat.triangles) {
-    const std::array<std::uint32_t, 3> v = {t.x, t.y, t.z};
-    for (std::size_t i = 0; i < 3; i++) {
-      const Vec3 a = vertex(mesh.flat, v[i]), b = vertex(mesh.flat, v[(i + 1) % 3]);
-      Place p = {a.x, a.y, a.z}, q = {b.x, b.y, b.z};
-      if (q < p) std::swap(p, q);
-      uses[{p, q}]++;
-    }
-  }
-  std::size_t lonely = 0;
-  for (const auto& [edge, count] : uses) lonely += count != 2;
-  return lonely;
 }
 
 struct RadiosityBench {

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "host/radiosity/refine_factors.hpp"
+#include "tests/radiosity/mesh_checks.hpp"
 #include "tests/radiosity/pair_bench.hpp"
 
 namespace hemiray {
