@@ -106,7 +106,7 @@ TEST_CASE("a final gather samples every kind of light, on patches as on the scen
   add_point_light(scene, {-0.4, 0, -0.5}, {0, 0, 1});
   Context context(choose_device(""));
   const DVec3 truth = mean_of(render_diffuse_reference(scene, {16, 16, 256, 0, 5}));
-  for (const std::uint32_t refined : {0U, 900U}) {
+  for (const std::uint32_t refined : {0U, 2200U}) {
     const FlatScene patches = gathered(solve(context, scene, 600, refined), 8);
     const DVec3 ratio = mean_of(test::show_patches(context, scene, patches, {16, 16, 16, 0, 4})) / truth;
     CAPTURE(refined, ratio[0], ratio[1], ratio[2]);
