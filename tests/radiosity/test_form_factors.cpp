@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <numbers>
 #include <numeric>
 #include <random>
 
@@ -45,26 +44,6 @@ double value_at(const FactorRow& row, std::uint32_t column) {
   const auto at = std::lower_bound(row.begin(), row.end(), column,
                                    [](const auto& entry, std::uint32_t side) { return entry.first < side; });
   return at != row.end() && at->first == column ? static_cast<double>(at->second) : 0.0;
-}
-
-FlatScene disk_pair(double r1, double r2, double h, int segments) {
-  FlatScene flat = test::flat_without_materials();
-  test::add_material(flat, Vec3(0.5F), Vec3(0.0F));
-  for (int disk = 0; disk < 2; disk++) {
-    const double r = disk == 0 ? r1 : r2, z = disk == 0 ? 0.0 : h;
-    const std::uint32_t middle = test::add_vertex(flat, Vec3(0.0, 0.0, z));
-    std::vector<std::uint32_t> rim;
-    for (int k = 0; k < segments; k++) {
-      const double a = 2.0 * std::numbers::pi * k / segments;
-      rim.push_back(test::add_vertex(flat, Vec3(r * std::cos(a), r * std::sin(a), z)));
-    }
-    for (std::size_t k = 0; k < rim.size(); k++) {
-      const std::uint32_t a = rim[k], b = rim[(k + 1) % rim.size()];
-      flat.triangles.push_back({middle, disk == 0 ? a : b, disk == 0 ? b : a, 0});
-      flat.triangle_objects.push_back(static_cast<std::uint32_t>(disk));
-    }
-  }
-  return flat;
 }
 
 }  // namespace
@@ -133,21 +112,6 @@ TEST_CASE("the unit cube's factors are Howell's, whatever the mesh") {
     CHECK(report.enforcement->closure_before < 5e-5);
     CHECK(report.violations->entries > 0);
   }
-}
-
-TEST_CASE("coaxial disks exchange what their closed form says, after tessellation") {
-  RadiosityBench bench;
-  const double r1 = 1.0, r2 = 0.6, h = 0.7;
-  const PatchMesh mesh = make_patch_mesh(disk_pair(r1, r2, h, 384), {100.0, 0, 0.0});
-  FactorReport report;
-  const std::vector<FactorRow> rows = read_rows(test::factors_by(bench, mesh, test::hybrid(2, 4), report));
-  const double got = test::area_factor(
-      mesh, rows, [](std::uint32_t face) { return face < 384; }, [](std::uint32_t face) { return face >= 384; });
-  // Howell's catalogue, C-41.
-  const double a = r1 / h, b = r2 / h, x = 1.0 + (1.0 + b * b) / (a * a);
-  const double exact = 0.5 * (x - std::sqrt(x * x - 4.0 * (b / a) * (b / a)));
-  CAPTURE(got, exact);
-  CHECK(std::abs(got - exact) < 1.5e-4 * exact);  // the polygons' areas are 4.5e-5 small
 }
 
 TEST_CASE("concentric spheres: the outer sees the inner by its area, itself by the rest") {
