@@ -34,6 +34,15 @@ FlatScene occluded_room() {
   return flat;
 }
 
+FlatScene plate_between() {
+  FlatScene flat = test::flat_without_materials();
+  test::add_material(flat, Vec3(0.5F), Vec3(0.0F));
+  test::add_quad(flat, Vec3(0), Vec3(1, 0, 0), Vec3(0, 1, 0), 0);
+  test::add_quad(flat, Vec3(-0.5F, -0.5F, 1), Vec3(0, 2, 0), Vec3(2, 0, 0), 0);
+  test::add_quad(flat, Vec3(0.3F, 0.35F, 0.5F), Vec3(0, 0.4F, 0.1F), Vec3(0.4F, 0.1F, 0), 0);
+  return flat;
+}
+
 double sum_of(const FactorRow& row) {
   double sum = 0.0;
   for (const auto& [side, value] : row) sum += static_cast<double>(value);
@@ -145,8 +154,10 @@ TEST_CASE("concentric spheres: the outer sees the inner by its area, itself by t
 
 TEST_CASE("a plate in the way takes what brute force says, and the detector finds the pairs it cuts") {
   RadiosityBench bench;
-  const FlatScene flat = occluded_room();
-  const PatchMesh mesh = make_patch_mesh(flat, {0.0, 900, 0.0});
+  const bool room = GENERATE(true, false);
+  CAPTURE(room);
+  const FlatScene flat = room ? occluded_room() : plate_between();
+  const PatchMesh mesh = make_patch_mesh(flat, {0.0, room ? 900U : 500U, 0.0});
   FactorOptions options = test::hybrid();
   options.method = FormFactors::analytic;
   FactorReport report;
@@ -155,9 +166,10 @@ TEST_CASE("a plate in the way takes what brute force says, and the detector find
   const PairSides sides(bench.context, mesh, test::fronts_of(mesh));
   const PairVisibility visibility = find_visibility(bench.context, bench.parallel, mesh, sides, options.visibility);
   const std::vector<std::uint32_t> partial = visibility.partial.read();
-  std::vector<reference::Corners> obstacles;  // the box's own faces; walls hide nothing in a convex room
+  std::vector<reference::Corners> obstacles;  // the box's own faces, or the plate's: what is around hides nothing
   const PatchMesh whole = make_patch_mesh(flat, {100.0, 0, 0.0});
-  for (std::uint32_t i = 12; i < whole.patch_count(); i++) obstacles.push_back(test::corners_of(whole, 2 * i));
+  for (std::uint32_t i = room ? 12 : 4; i < whole.patch_count(); i++)
+    obstacles.push_back(test::corners_of(whole, 2 * i));
   std::mt19937 random(7);
   std::size_t found = 0, missed = 0, false_alarms = 0, tested = 0;
   double error = 0.0, energy = 0.0, missed_energy = 0.0;
@@ -195,7 +207,8 @@ TEST_CASE("a plate in the way takes what brute force says, and the detector find
   CHECK(found > 30);
   CHECK(recall > 0.9);
   CHECK(precision > 0.2);
-  CHECK(error / energy < 0.02);  // brute force's own 36 x 36 rays a pair are some of it
+  // Past the plate closed forms say more (test_closed_form_factors.cpp) than rays on a grid of 36 x 36.
+  if (room) CHECK(error / energy < 0.02);
 }
 
 TEST_CASE("closed rooms with obstacles: rows almost sum to one, and do once closure is enforced") {
