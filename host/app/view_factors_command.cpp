@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -23,12 +24,15 @@ namespace hemiray::app {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
-  hemiray view-factors parts.obj -o F.csv                      one line a pair: from, to, area, factor, error
+  hemiray view-factors parts.obj -o F.csv                      one line a pair: from, to, area, factor, errors
   hemiray view-factors parts.obj -o F.npy --patches 20000      n x n, for NumPy
   hemiray view-factors parts.obj -o F.vf --view3d-input parts.vs3      View3D's output file, and its input to compare
 
 Areas are the file's objects ('g' and 'o' of OBJ), by name. Fronts (counter-clockwise) send and take light, backs only
-stop it. Interrupt (Ctrl-C) writes nothing: every factor between areas is a sum over all rows.)";
+stop it. Each factor comes with its error, split: geometry (a bound of the quadrature's error; what flat patches of round
+bodies cost is not in it), sampling (a standard error of the rays of partly hidden pairs) and visibility (what pairs
+taken for seen or hidden wrongly may cost); --form-factors hemicube and raster know none. Interrupt
+(Ctrl-C) writes nothing: every factor between areas is a sum over all rows.)";
 
 struct FactorArguments {
   std::string scene, output, view3d_input, device;
@@ -65,25 +69,43 @@ void check_outputs(const FactorArguments& given) {
   if (!given.view3d_input.empty()) check_writable(given.view3d_input);
 }
 
+// The parts of an error, by name.
+constexpr std::pair<const char*, double ErrorSplit::*> kErrorParts[] = {
+    {"geometry", &ErrorSplit::geometry}, {"sampling", &ErrorSplit::sampling}, {"visibility", &ErrorSplit::visibility}};
+
+// n x n values as an array of rows.
+template <typename Value>
+nlohmann::ordered_json rows_of(std::size_t n, const Value& value) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < n; i++) {
+    std::vector<double> row;
+    for (std::size_t j = 0; j < n; j++) row.push_back(value(i * n + j));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 std::string as_json(const ViewFactors& f, const PatchMesh& mesh, const FactorReport& report, double seconds) {
   nlohmann::ordered_json json;
   json["patches"] = mesh.patch_count();
   json["rays"] = report.cube_rays + report.pair_rays + report.sample_rays;
-  json["errors"] = {{"geometry", report.errors.geometry},
-                    {"sampling", report.errors.sampling},
-                    {"visibility", report.errors.visibility}};
+  if (report.enforcement) {
+    json["errors"] = {{"geometry", report.errors.geometry},
+                      {"sampling", report.errors.sampling},
+                      {"visibility", report.errors.visibility}};
+  }
   json["seconds"] = seconds;
   json["names"] = f.names;
   json["areas_m2"] = f.areas_m2;
   json["row_sums"] = f.row_sums;
   const std::size_t n = f.names.size();
-  for (std::size_t i = 0; i < n; i++) {
-    json["factors"].push_back(std::vector<double>(f.factors.begin() + static_cast<std::ptrdiff_t>(i * n),
-                                                  f.factors.begin() + static_cast<std::ptrdiff_t>((i + 1) * n)));
-    json["reciprocity_errors"].push_back(
-        std::vector<double>(f.reciprocity_errors.begin() + static_cast<std::ptrdiff_t>(i * n),
-                            f.reciprocity_errors.begin() + static_cast<std::ptrdiff_t>((i + 1) * n)));
+  json["factors"] = rows_of(n, [&](std::size_t k) { return f.factors[k]; });
+  if (!f.errors.empty()) {
+    for (const auto& [name, part] : kErrorParts) {
+      json["factor_errors"][name] = rows_of(n, [&, part = part](std::size_t k) { return f.errors[k].*part; });
+    }
   }
+  json["reciprocity_errors"] = rows_of(n, [&](std::size_t k) { return f.reciprocity_errors[k]; });
   return json.dump(2) + "\n";
 }
 
@@ -99,6 +121,12 @@ std::string as_table(const ViewFactors& f, const PatchMesh& mesh, double seconds
     text += fmt::format("{:<16.16} {:>10.4g}", f.names[i], f.areas_m2[i]);
     for (std::size_t j = 0; j < n; j++) text += fmt::format(" {:>11.7f}", f.factors[i * n + j]);
     text += fmt::format(" {:>11.7f}\n", f.row_sums[i]);
+    if (f.errors.empty()) continue;
+    for (const auto& [name, part] : kErrorParts) {
+      text += fmt::format("{:>27}", fmt::format("+- {}", name));
+      for (std::size_t j = 0; j < n; j++) text += fmt::format(" {:>11.1e}", f.errors[i * n + j].*part);
+      text += '\n';
+    }
   }
   return text;
 }
@@ -119,11 +147,13 @@ int run_view_factors(const FactorArguments& given) {
   std::vector<std::uint32_t> fronts;
   for (std::uint32_t i = 0; i < mesh.patch_count(); i++) fronts.push_back(2 * i);
   FactorReport report;
-  const FactorMatrix matrix =
-      make_form_factors_of(context, parallel, mesh, hemicubes, fronts, options.factors, report, [&](double fraction) {
+  const FactorMatrix matrix = make_form_factors_of(
+      context, parallel, mesh, hemicubes, fronts, options.factors, report,
+      [&](double fraction) {
         progress.update(fraction, 0.0);
         return !interrupt.interrupted();
-      });
+      },
+      &groups);
   progress.finish();
   if (interrupt.interrupted()) {
     fmt::print(stderr,
@@ -131,7 +161,7 @@ int run_view_factors(const FactorArguments& given) {
                "is written\n");
     return static_cast<int>(ExitCode::interrupted);
   }
-  const ViewFactors factors = view_factors(mesh, groups, read_rows(matrix));
+  const ViewFactors factors = view_factors(mesh, groups, read_rows(matrix), report.exchange_errors);
   const double seconds = 1e-3 * (steady_ms() - start);
   const bool closed = std::all_of(factors.row_sums.begin(), factors.row_sums.end(),
                                   [](double sum) { return std::abs(sum - 1.0) < 1e-3; });

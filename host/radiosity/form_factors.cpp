@@ -14,19 +14,20 @@ constexpr double kCubesShare = 0.2, kVisibilityShare = 0.6;
 
 // How far a closed row may be off: of what partly hidden pairs exchange, a share for such pairs that were not found
 // out, which lie beside them; and what a row without any may lose to the rounding of planes.
-constexpr double kMissedShare = 0.05, kLeastSlack = 1e-3;
+constexpr double kMissedRowShare = 0.05, kLeastSlack = 1e-3;
 
 class Maker {
  public:
   Maker(Context& context, Parallel& parallel, const PatchMesh& mesh, Hemicubes& hemicubes, const FactorOptions& options,
-        FactorReport& report, const std::function<bool(double)>& on_progress)
+        FactorReport& report, const std::function<bool(double)>& on_progress, const FactorGroups* areas)
       : context_(context),
         parallel_(parallel),
         mesh_(mesh),
         hemicubes_(hemicubes),
         options_(options),
         report_(report),
-        on_progress_(on_progress) {}
+        on_progress_(on_progress),
+        areas_(areas) {}
 
   bool go_on(double fraction) {
     report_.interrupted |= on_progress_ && !on_progress_(fraction);
@@ -64,7 +65,7 @@ class Maker {
     report_.sample_rays = visibility.rays - visibility.pair_rays;
     report_.partial_pairs = visibility.pairs;
     lap();
-    PairFactors factors = with_guards(raw, sides, visibility);
+    PairFactors factors = watched(raw, sides, visibility);
     report_.near_pairs = factors.near_pairs;
     report_.pairs = factors.matrix.entries() / 2;
     report_.pairs_ms = lap();
@@ -76,19 +77,30 @@ class Maker {
   }
 
  private:
-  PairFactors with_guards(const FactorMatrix& raw, const PairSides& sides, const PairVisibility& visibility) {
+  PairFactors watched(const FactorMatrix& raw, const PairSides& sides, const PairVisibility& visibility) {
     const auto progress = [this](double f) {
       return go_on(kCubesShare + kVisibilityShare + (1.0 - kCubesShare - kVisibilityShare) * f);
     };
-    if (options_.method == FormFactors::analytic) {
-      return make_pair_factors(context_, parallel_, sides, visibility, {}, progress);
+    PairWatcher watcher;
+    std::optional<Guards> guards;
+    if (options_.method == FormFactors::hybrid) {
+      const std::vector<double> cells = hemicube_cells(options_.hemicube.resolution);
+      const auto finest = static_cast<float>(*std::max_element(cells.begin(), cells.end()) /
+                                             (options_.hemicube.divisions * options_.hemicube.divisions));
+      guards.emplace(context_, mesh_, raw, sides, visibility, finest);
+      watcher = guards->watcher();
     }
-    const std::vector<double> cells = hemicube_cells(options_.hemicube.resolution);
-    const auto finest = static_cast<float>(*std::max_element(cells.begin(), cells.end()) /
-                                           (options_.hemicube.divisions * options_.hemicube.divisions));
-    Guards guards(context_, mesh_, raw, sides, visibility, finest);
-    PairFactors factors = make_pair_factors(context_, parallel_, sides, visibility, guards.watcher(), progress);
-    report_.violations = guards.violations();
+    std::optional<AreaErrors> errors;
+    if (areas_ != nullptr) {
+      errors.emplace(context_, *areas_, sides, visibility);
+      watcher.unobstructed = [&errors, guard = watcher.unobstructed](const PairBatch& batch) {
+        if (guard) guard(batch);
+        errors->add(batch);
+      };
+    }
+    PairFactors factors = make_pair_factors(context_, parallel_, sides, visibility, watcher, progress);
+    if (guards) report_.violations = guards->violations();
+    if (errors) report_.exchange_errors = errors->exchange_errors();
     return factors;
   }
 
@@ -100,7 +112,7 @@ class Maker {
     for (std::uint32_t i = 0; i < sides.count; i++) {
       const std::uint32_t side = sides.ids[i];
       const RowSums& sums = factors.sums[i];
-      const double uncertain = sums.geometry + sums.sampling + kMissedShare * sums.visibility;
+      const double uncertain = sums.geometry + sums.sampling + kMissedRowShare * sums.visibility;
       if (closed[side]) slack[side] = kLeastSlack + uncertain / static_cast<double>(mesh_.normals[side / 2].w);
     }
     return slack;
@@ -124,6 +136,7 @@ class Maker {
   const FactorOptions& options_;
   FactorReport& report_;
   const std::function<bool(double)>& on_progress_;
+  const FactorGroups* areas_;
   double start_ = steady_ms();
 };
 
@@ -132,7 +145,7 @@ class Maker {
 FactorMatrix make_form_factors(Context& context, Parallel& parallel, const PatchMesh& mesh, Hemicubes& hemicubes,
                                std::span<const std::uint32_t> sources, const FactorOptions& options,
                                FactorReport& report, const std::function<bool(double)>& on_progress) {
-  Maker maker(context, parallel, mesh, hemicubes, options, report, on_progress);
+  Maker maker(context, parallel, mesh, hemicubes, options, report, on_progress, nullptr);
   const double share = options.method == FormFactors::hemicube ? 1.0 : kCubesShare;
   return maker.finish(hemicubes.rows_reached_from(sources, [&](std::uint64_t done, std::uint64_t known) {
     return maker.go_on(share * static_cast<double>(done) / static_cast<double>(known));
@@ -141,8 +154,9 @@ FactorMatrix make_form_factors(Context& context, Parallel& parallel, const Patch
 
 FactorMatrix make_form_factors_of(Context& context, Parallel& parallel, const PatchMesh& mesh, Hemicubes& hemicubes,
                                   std::span<const std::uint32_t> sides, const FactorOptions& options,
-                                  FactorReport& report, const std::function<bool(double)>& on_progress) {
-  Maker maker(context, parallel, mesh, hemicubes, options, report, on_progress);
+                                  FactorReport& report, const std::function<bool(double)>& on_progress,
+                                  const FactorGroups* areas) {
+  Maker maker(context, parallel, mesh, hemicubes, options, report, on_progress, areas);
   FactorMatrix raw;
   hemicubes.add_rows(sides, raw);
   return maker.finish(std::move(raw));

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "host/radiosity/area_errors.hpp"
 #include "host/radiosity/enforce.hpp"
 #include "host/radiosity/guards.hpp"
 #include "host/radiosity/hemicubes.hpp"
@@ -40,9 +41,10 @@ struct FactorReport {
   std::uint64_t pairs = 0;  ///< that exchange light, each counted once
   std::uint64_t near_pairs = 0, partial_pairs = 0;
   double cubes_ms = 0.0, visibility_ms = 0.0, sample_ms = 0.0, pairs_ms = 0.0, enforce_ms = 0.0;
-  FactorErrors errors;                     ///< of analytic and hybrid
-  std::optional<Violations> violations;    ///< of the hemicubes, in hybrid
-  std::optional<Enforcement> enforcement;  ///< of analytic (measured only) and hybrid
+  FactorErrors errors;                      ///< of analytic and hybrid
+  std::vector<ErrorSplit> exchange_errors;  ///< the same, of areas, where these are given (AreaErrors)
+  std::optional<Violations> violations;     ///< of the hemicubes, in hybrid
+  std::optional<Enforcement> enforcement;   ///< of analytic (measured only) and hybrid
   bool interrupted = false;
 };
 
@@ -52,9 +54,10 @@ FactorMatrix make_form_factors(Context& context, Parallel& parallel, const Patch
                                std::span<const std::uint32_t> sources, const FactorOptions& options,
                                FactorReport& report, const std::function<bool(double)>& on_progress = {});
 
-/// The same for given sides, ascending.
+/// The same for given sides, ascending. `areas`: those that the report tells errors of.
 FactorMatrix make_form_factors_of(Context& context, Parallel& parallel, const PatchMesh& mesh, Hemicubes& hemicubes,
                                   std::span<const std::uint32_t> sides, const FactorOptions& options,
-                                  FactorReport& report, const std::function<bool(double)>& on_progress = {});
+                                  FactorReport& report, const std::function<bool(double)>& on_progress = {},
+                                  const FactorGroups* areas = nullptr);
 
 }  // namespace hemiray

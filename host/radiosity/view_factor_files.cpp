@@ -35,12 +35,17 @@ std::string view3d_name(std::string name) {
 }  // namespace
 
 std::string factors_as_csv(const ViewFactors& f) {
-  std::string text = "from,to,area_m2,factor,reciprocity_error\n";
+  std::string text = "from,to,area_m2,factor,geometry_error,sampling_error,visibility_error,reciprocity_error\n";
   const std::size_t n = f.names.size();
   for (std::size_t i = 0; i < n; i++) {
     for (std::size_t j = 0; j < n; j++) {
-      text += fmt::format("{},{},{:.9g},{:.9g},{:.3g}\n", csv_field(f.names[i]), csv_field(f.names[j]), f.areas_m2[i],
-                          f.factors[i * n + j], f.reciprocity_errors[i * n + j]);
+      std::string split = ",,";
+      if (!f.errors.empty()) {
+        const ErrorSplit& e = f.errors[i * n + j];
+        split = fmt::format("{:.3g},{:.3g},{:.3g}", e.geometry, e.sampling, e.visibility);
+      }
+      text += fmt::format("{},{},{:.9g},{:.9g},{},{:.3g}\n", csv_field(f.names[i]), csv_field(f.names[j]),
+                          f.areas_m2[i], f.factors[i * n + j], split, f.reciprocity_errors[i * n + j]);
     }
   }
   return text;

@@ -19,7 +19,8 @@ FactorGroups groups_by_name(const PatchMesh& mesh, const std::vector<std::string
   return groups;
 }
 
-ViewFactors view_factors(const PatchMesh& mesh, const FactorGroups& groups, const std::vector<FactorRow>& rows) {
+ViewFactors view_factors(const PatchMesh& mesh, const FactorGroups& groups, const std::vector<FactorRow>& rows,
+                         const std::vector<ErrorSplit>& exchange_errors) {
   const std::size_t n = groups.names.size();
   ViewFactors result;
   result.names = groups.names;
@@ -40,6 +41,11 @@ ViewFactors view_factors(const PatchMesh& mesh, const FactorGroups& groups, cons
       result.factors.push_back(area > 0.0 ? exchange[i * n + j] / area : 0.0);
       result.reciprocity_errors.push_back(area > 0.0 ? 0.5 * std::abs(exchange[i * n + j] - exchange[j * n + i]) / area
                                                      : 0.0);
+      if (!exchange_errors.empty()) {
+        const ErrorSplit& e = exchange_errors[i * n + j];
+        result.errors.push_back(area > 0.0 ? ErrorSplit{e.geometry / area, e.sampling / area, e.visibility / area}
+                                           : ErrorSplit{});
+      }
       sum += result.factors.back();
     }
     result.row_sums.push_back(sum);

@@ -17,11 +17,6 @@
 // Powers of 1 / phi, phi^5 = phi + 1, in units of 2^-32.
 constant uint r4_steps[4] = {3679390609u, 3152041523u, 2700274806u, 2313257605u};
 
-// Where the sequence starts, in units of 2^-32: a row's dimensions 0 and 1, or a column's 2 and 3.
-static inline uint2 sequence_start(uint side, uint dimension, uint seed_key) {
-  return rng_hash((uint4)(side, dimension, 0, HR_DIMENSION_PARTIAL ^ seed_key)).xy;
-}
-
 // Points of a triangle for numbers in [0, 1)^2, a square folded with little distortion (Heitz 2019).
 static inline void points_on(const float3* corners, uint2 start, uint step, uintp numbers, floatp* points) {
   const floatp u = floats_of((start.x + numbers * r4_steps[step]) >> 8) * 5.9604644775390625e-8f,
@@ -94,7 +89,8 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity
   float share = 1, error = 0;
   uint n = 0;
   if (blocker_count > 0) {
-    const uint2 start_i = sequence_start(i, 0, seed_key), start_j = sequence_start(j, 2, seed_key);
+    // Where the pair's sequence starts, in units of 2^-32: a place of its own, so that variances of pairs add.
+    const uint4 start = rng_hash((uint4)(i, j, 0, HR_DIMENSION_PARTIAL ^ seed_key));
     const float areas = HR_SIDE_VALUE(HR_SIDE_AREA, i) + HR_SIDE_VALUE(HR_SIDE_AREA, j);
     float exchanged = 0, through = 0;
     uint target = few;
@@ -103,8 +99,8 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity
       for (; n < target; n += HR_P) {
         const uintp numbers = n + 1 + HR_LANE_NUMBERS;
         floatp from[3], to[3];
-        points_on(shaft.corners, start_i, 0, numbers, from);
-        points_on(shaft.corners + 3, start_j, 2, numbers, to);
+        points_on(shaft.corners, start.xy, 0, numbers, from);
+        points_on(shaft.corners + 3, start.zw, 2, numbers, to);
         const floatp dx = to[0] - from[0], dy = to[1] - from[1], dz = to[2] - from[2];
         const floatp h = dot_lanes((floatp)(front_i.x), (floatp)(front_i.y), (floatp)(front_i.z), dx, dy, dz);
         const floatp g = -dot_lanes((floatp)(front_j.x), (floatp)(front_j.y), (floatp)(front_j.z), dx, dy, dz);

@@ -56,6 +56,34 @@ kernel void radiosity_apply_visibility(global const uint* restrict visible, glob
   sums[i] = sum;
 }
 
+// sums[row groups + k] = what may be wrong with the exchange of side first + begin + row with all of area k: x the bound
+// of the quadrature's error [m^2], y the variance of its rays [m^4], z what its partly hidden pairs would exchange with
+// nothing in the way [m^2]. `dense`: what pairs would exchange, from side `first` on. sums are 0 before. Launch: one
+// item a row.
+kernel void radiosity_sum_pair_errors(global const uint* restrict visible, global const uint* restrict partial,
+                                      global const uint* restrict starts, global const uint* restrict columns,
+                                      global const float* restrict shares, global const float* restrict errors,
+                                      const uint stride, const uint first, const uint begin, const uint row_count,
+                                      global const float* restrict dense, global const uint* restrict groups_of,
+                                      const uint groups, global float4* restrict sums) {
+  const uint row = (uint)get_global_id(0);
+  if (row >= row_count) return;
+  const uint at = begin + row, i = first + at;
+  for (uint j = 0; j < stride; j++) {
+    const float g = dense[(ulong)at * stride + j];
+    if (g == 0) continue;
+    float4 term = (float4)(g * HR_PAIR_FAR_ERROR, 0.0f, 0.0f, 0.0f);
+    if (has_bit(partial, stride, i, j)) {
+      const uint k = find_partial(starts, columns, min(i, j), max(i, j));
+      const float error = g * errors[k];
+      term = (float4)(term.x * shares[k], error * error, g, 0.0f);
+    } else if (!has_bit(visible, stride, i, j)) {
+      continue;
+    }
+    sums[(ulong)row * groups + groups_of[j]] += term;
+  }
+}
+
 // Row `row` becomes columns and values [starts[row], ...): sides and exchange areas. Launch: one item a row.
 kernel void radiosity_emit_pairs(global const float* restrict dense, global const uint* restrict ids,
                                  global const uint* restrict starts, const uint stride, const uint row_count,

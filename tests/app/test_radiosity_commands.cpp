@@ -145,11 +145,19 @@ TEST_CASE("view-factors gives areas their factors in every format") {
   std::ifstream stream(csv);
   std::string line;
   std::getline(stream, line);
-  CHECK(line == "from,to,area_m2,factor,reciprocity_error");
+  CHECK(line == "from,to,area_m2,factor,geometry_error,sampling_error,visibility_error,reciprocity_error");
+  const auto errors = json["factor_errors"];  // nothing hides anything in a cube
+  CHECK(std::abs(errors["geometry"][0][1].get<double>() - 2e-5 * 0.199824896) < 1e-7);
+  CHECK(errors["sampling"][0][1] == 0.0);
+  CHECK(errors["visibility"].size() == 3);
   CHECK(std::filesystem::file_size(vs3) > 1000);
   const ProgramResult table = run_program({"view-factors", cube, "-o", vf, "--patches", "12"});
   CHECK(table.exit_code == 0);
-  CHECK_THAT(table.out, Catch::Contains("bottom") && Catch::Contains("sum"));
+  CHECK_THAT(table.out, Catch::Contains("bottom") && Catch::Contains("sum") && Catch::Contains("+- visibility"));
+  const ProgramResult cubes =
+      run_program({"view-factors", cube, "-o", csv, "--patches", "12", "--form-factors", "hemicube", "--json"});
+  REQUIRE(cubes.exit_code == 0);
+  CHECK(!nlohmann::json::parse(cubes.out).contains("factor_errors"));  // unknown is not zero
 }
 
 TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and nothing is written") {

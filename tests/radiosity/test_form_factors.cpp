@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <numbers>
 #include <numeric>
 #include <random>
 
@@ -24,6 +23,15 @@ FlatScene occluded_room() {
   return flat;
 }
 
+FlatScene plate_between() {
+  FlatScene flat = test::flat_without_materials();
+  test::add_material(flat, Vec3(0.5F), Vec3(0.0F));
+  test::add_quad(flat, Vec3(0), Vec3(1, 0, 0), Vec3(0, 1, 0), 0);
+  test::add_quad(flat, Vec3(-0.5F, -0.5F, 1), Vec3(0, 2, 0), Vec3(2, 0, 0), 0);
+  test::add_quad(flat, Vec3(0.3F, 0.35F, 0.5F), Vec3(0, 0.4F, 0.1F), Vec3(0.4F, 0.1F, 0), 0);
+  return flat;
+}
+
 double sum_of(const FactorRow& row) {
   double sum = 0.0;
   for (const auto& [side, value] : row) sum += static_cast<double>(value);
@@ -34,26 +42,6 @@ double value_at(const FactorRow& row, std::uint32_t column) {
   const auto at = std::lower_bound(row.begin(), row.end(), column,
                                    [](const auto& entry, std::uint32_t side) { return entry.first < side; });
   return at != row.end() && at->first == column ? static_cast<double>(at->second) : 0.0;
-}
-
-FlatScene disk_pair(double r1, double r2, double h, int segments) {
-  FlatScene flat = test::flat_without_materials();
-  test::add_material(flat, Vec3(0.5F), Vec3(0.0F));
-  for (int disk = 0; disk < 2; disk++) {
-    const double r = disk == 0 ? r1 : r2, z = disk == 0 ? 0.0 : h;
-    const std::uint32_t middle = test::add_vertex(flat, Vec3(0.0, 0.0, z));
-    std::vector<std::uint32_t> rim;
-    for (int k = 0; k < segments; k++) {
-      const double a = 2.0 * std::numbers::pi * k / segments;
-      rim.push_back(test::add_vertex(flat, Vec3(r * std::cos(a), r * std::sin(a), z)));
-    }
-    for (std::size_t k = 0; k < rim.size(); k++) {
-      const std::uint32_t a = rim[k], b = rim[(k + 1) % rim.size()];
-      flat.triangles.push_back({middle, disk == 0 ? a : b, disk == 0 ? b : a, 0});
-      flat.triangle_objects.push_back(static_cast<std::uint32_t>(disk));
-    }
-  }
-  return flat;
 }
 
 }  // namespace
@@ -124,21 +112,6 @@ TEST_CASE("the unit cube's factors are Howell's, whatever the mesh") {
   }
 }
 
-TEST_CASE("coaxial disks exchange what their closed form says, after tessellation") {
-  RadiosityBench bench;
-  const double r1 = 1.0, r2 = 0.6, h = 0.7;
-  const PatchMesh mesh = make_patch_mesh(disk_pair(r1, r2, h, 384), {100.0, 0, 0.0});
-  FactorReport report;
-  const std::vector<FactorRow> rows = read_rows(test::factors_by(bench, mesh, test::hybrid(2, 4), report));
-  const double got = test::area_factor(
-      mesh, rows, [](std::uint32_t face) { return face < 384; }, [](std::uint32_t face) { return face >= 384; });
-  // Howell's catalogue, C-41.
-  const double a = r1 / h, b = r2 / h, x = 1.0 + (1.0 + b * b) / (a * a);
-  const double exact = 0.5 * (x - std::sqrt(x * x - 4.0 * (b / a) * (b / a)));
-  CAPTURE(got, exact);
-  CHECK(std::abs(got - exact) < 1.5e-4 * exact);  // the polygons' areas are 4.5e-5 small
-}
-
 TEST_CASE("concentric spheres: the outer sees the inner by its area, itself by the rest") {
   RadiosityBench bench;
   FlatScene ball = test::flat_without_materials();
@@ -170,8 +143,10 @@ TEST_CASE("concentric spheres: the outer sees the inner by its area, itself by t
 
 TEST_CASE("a plate in the way takes what brute force says, and the detector finds the pairs it cuts") {
   RadiosityBench bench;
-  const FlatScene flat = occluded_room();
-  const PatchMesh mesh = make_patch_mesh(flat, {0.0, 900, 0.0});
+  const bool room = GENERATE(true, false);
+  CAPTURE(room);
+  const FlatScene flat = room ? occluded_room() : plate_between();
+  const PatchMesh mesh = make_patch_mesh(flat, {0.0, room ? 900U : 500U, 0.0});
   FactorOptions options = test::hybrid();
   options.method = FormFactors::analytic;
   FactorReport report;
@@ -180,9 +155,10 @@ TEST_CASE("a plate in the way takes what brute force says, and the detector find
   const PairSides sides(bench.context, mesh, test::fronts_of(mesh));
   const PairVisibility visibility = find_visibility(bench.context, bench.parallel, mesh, sides, options.visibility);
   const std::vector<std::uint32_t> partial = visibility.partial.read();
-  std::vector<reference::Corners> obstacles;  // the box's own faces; walls hide nothing in a convex room
+  std::vector<reference::Corners> obstacles;  // the box's own faces, or the plate's: what is around hides nothing
   const PatchMesh whole = make_patch_mesh(flat, {100.0, 0, 0.0});
-  for (std::uint32_t i = 12; i < whole.patch_count(); i++) obstacles.push_back(test::corners_of(whole, 2 * i));
+  for (std::uint32_t i = room ? 12 : 4; i < whole.patch_count(); i++)
+    obstacles.push_back(test::corners_of(whole, 2 * i));
   std::mt19937 random(7);
   std::size_t found = 0, missed = 0, false_alarms = 0, tested = 0;
   double error = 0.0, energy = 0.0, missed_energy = 0.0;
@@ -220,7 +196,8 @@ TEST_CASE("a plate in the way takes what brute force says, and the detector find
   CHECK(found > 30);
   CHECK(recall > 0.9);
   CHECK(precision > 0.2);
-  CHECK(error / energy < 0.02);  // brute force's own 36 x 36 rays a pair are some of it
+  // Past the plate closed forms say more (test_closed_form_factors.cpp) than rays on a grid of 36 x 36.
+  if (room) CHECK(error / energy < 0.02);
 }
 
 TEST_CASE("closed rooms with obstacles: rows almost sum to one, and do once closure is enforced") {

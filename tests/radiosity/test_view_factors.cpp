@@ -34,23 +34,30 @@ TEST_CASE("view factors sum patches by area, fronts alone") {
   rows[0] = {{4, 0.5F}, {5, 0.25F}};  // the roof's front and back
   rows[2] = {{0, 0.125F}, {4, 0.25F}};
   rows[4] = {{0, 0.25F}, {2, 0.5F}};
-  const ViewFactors f = view_factors(mesh, groups, rows);
+  const ViewFactors f = view_factors(mesh, groups, rows, {{}, {}, {0.5, 0.25, 1.0}, {}});
   CHECK(f.areas_m2 == std::vector<double>{4.0, 2.0});
   CHECK(f.factors[0] == 3.0 * 0.125 / 4.0);
   CHECK(f.factors[1] == (0.5 + 3.0 * 0.25) / 4.0);
   CHECK(f.factors[2] == 0.75);
   CHECK(f.factors[3] == 0.0);
+  REQUIRE(f.errors.size() == 4);
+  CHECK((f.errors[2].geometry == 0.25 && f.errors[2].sampling == 0.125 && f.errors[2].visibility == 0.5));
+  CHECK(view_factors(mesh, groups, rows).errors.empty());
   CHECK(f.row_sums[0] == f.factors[0] + f.factors[1]);
   CHECK(f.reciprocity_errors[1] == 0.5 * std::abs(1.25 - 1.5) / 4.0);
   CHECK(f.reciprocity_errors[2] == 0.5 * std::abs(1.25 - 1.5) / 2.0);
 }
 
 TEST_CASE("view factors are written as CSV, for NumPy and as View3D writes them") {
-  const ViewFactors f = three_areas();
+  ViewFactors f = three_areas();
   const std::string csv = factors_as_csv(f);
-  CHECK(csv.rfind("from,to,area_m2,factor,reciprocity_error\nfloor,floor,1,0,0\nfloor,\"a, \"\"b\"\"\",1,0.5,0\n", 0) ==
-        0);
+  CHECK(csv.rfind("from,to,area_m2,factor,geometry_error,sampling_error,visibility_error,reciprocity_error\n"
+                  "floor,floor,1,0,,,,0\nfloor,\"a, \"\"b\"\"\",1,0.5,,,,0\n",
+                  0) == 0);
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 10);
+
+  f.errors.assign(9, {1e-5, 2e-4, 3e-3});
+  CHECK(factors_as_csv(f).find("\nfloor,floor,1,0,1e-05,0.0002,0.003,0\n") != std::string::npos);
 
   const std::string npy = factors_as_npy(f);
   REQUIRE(npy.size() == 128 + 9 * sizeof(double));

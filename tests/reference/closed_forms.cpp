@@ -77,4 +77,37 @@ double sphere_irradiance(double radiance, double radius_m, double distance_m, do
   return radiance * kPi * radius_m * radius_m / (distance_m * distance_m) * cos_incidence;
 }
 
+double parallel_rectangles_factor(const Rectangle& from, const Rectangle& to, double z_m) {
+  const auto term = [z_m](double dx, double dy) {
+    const double p = std::hypot(dx, z_m), q = std::hypot(dy, z_m);
+    return (dy * p * std::atan(dy / p) + dx * q * std::atan(dx / q) -
+            0.5 * z_m * z_m * std::log(dx * dx + dy * dy + z_m * z_m)) /
+           (2.0 * kPi);
+  };
+  double sum = 0.0;
+  for (int corners = 0; corners < 16; corners++) {
+    const double x = (corners & 1) != 0 ? from.x1 : from.x0, y = (corners & 2) != 0 ? from.y1 : from.y0,
+                 u = (corners & 4) != 0 ? to.x1 : to.x0, v = (corners & 8) != 0 ? to.y1 : to.y0;
+    const bool odd = ((corners ^ corners >> 1 ^ corners >> 2 ^ corners >> 3) & 1) != 0;
+    sum += (odd ? -1.0 : 1.0) * term(x - u, y - v);
+  }
+  return sum / ((from.x1 - from.x0) * (from.y1 - from.y0));
+}
+
+double coaxial_disks_factor(double from_radius_m, double to_radius_m, double h_m) {
+  const double a = from_radius_m / h_m, b = to_radius_m / h_m, x = 1.0 + (1.0 + b * b) / (a * a);
+  return 0.5 * (x - std::sqrt(x * x - 4.0 * (b / a) * (b / a)));
+}
+
+CylinderFactors concentric_cylinders_factors(double inner_radius_m, double outer_radius_m, double height_m) {
+  const double r = outer_radius_m / inner_radius_m, h = height_m / inner_radius_m, r2 = r * r, h2 = h * h;
+  const double a = h2 + r2 - 1.0, b = h2 - r2 + 1.0, s = std::sqrt(4.0 * r2 + h2) / h;
+  const double strips =
+      std::sqrt((a + 2.0) * (a + 2.0) - 4.0 * r2) * std::acos(b / (r * a)) + b * std::asin(1.0 / r) - 0.5 * kPi * a;
+  const double sines = s * std::asin((4.0 * (r2 - 1.0) + h2 / r2 * (r2 - 2.0)) / (h2 + 4.0 * (r2 - 1.0))) -
+                       std::asin((r2 - 2.0) / r2) + 0.5 * kPi * (s - 1.0);
+  return {(1.0 - (std::acos(b / a) - strips / (2.0 * h)) / kPi) / r,
+          1.0 - 1.0 / r + 2.0 / (kPi * r) * std::atan(2.0 * std::sqrt(r2 - 1.0) / h) - h / (2.0 * kPi * r) * sines};
+}
+
 }  // namespace hemiray::reference

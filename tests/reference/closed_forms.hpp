@@ -41,4 +41,23 @@ double polygon_irradiance(double radiance, const std::vector<DVec3>& corners_m, 
 /// Irradiance of a uniform sphere wholly above the horizon, whose centre is seen at `cos_incidence`.
 double sphere_irradiance(double radiance, double radius_m, double distance_m, double cos_incidence);
 
+/// A rectangle [x0, x1] x [y0, y1] in a plane z = const [m].
+struct Rectangle {
+  double x0, x1, y0, y1;
+};
+
+/// Form factor from one rectangle to another in a parallel plane at distance z > 0, sides parallel (Ehlert and Smith
+/// 1993).
+double parallel_rectangles_factor(const Rectangle& from, const Rectangle& to, double z_m);
+
+/// Form factor from a disk to a coaxial one at distance h (Howell's catalogue, C-41).
+double coaxial_disks_factor(double from_radius_m, double to_radius_m, double h_m);
+
+/// Of two concentric cylinders of one height, open at their ends (Howell's catalogue, C-91 and C-92): form factors from
+/// the outer one's inside to the inner one, and to itself past the inner one.
+struct CylinderFactors {
+  double outer_to_inner, outer_to_outer;
+};
+CylinderFactors concentric_cylinders_factors(double inner_radius_m, double outer_radius_m, double height_m);
+
 }  // namespace hemiray::reference
