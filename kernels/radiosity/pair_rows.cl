@@ -87,14 +87,14 @@ kernel void radiosity_sum_scaled(global const uint* restrict rows, global const 
   sums[rows[k]] = sum;
 }
 
-// Exchange areas become factors: F_ij = (s_i s_j) G_ij / A_i. Launch: row_count items.
+// Exchange areas are scaled, (s_i s_j) G_ij, and with as_factors divided by A_i: F_ij. Launch: row_count items.
 kernel void radiosity_scale_pairs(global const uint* restrict rows, global const uint* restrict starts,
                                   global const uint* restrict columns, const uint row_count,
                                   global const float* restrict scales, global const float4* restrict normals,
-                                  global float* restrict values) {
+                                  const uint as_factors, global float* restrict values) {
   const uint k = (uint)get_global_id(0);
   if (k >= row_count) return;
   const uint i = rows[k];
-  const float scale = scales[i], area = normals[i / 2].w;
+  const float scale = scales[i], area = as_factors ? normals[i / 2].w : 1.0f;
   for (uint e = starts[k]; e < starts[k + 1]; e++) values[e] = (scale * scales[columns[e]]) * values[e] / area;
 }
