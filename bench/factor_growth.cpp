@@ -122,7 +122,7 @@ Json to_json(const Row& row) {
 }
 
 // Bytes of factors pair by pair, at most; compute_radiosity() takes hemicubes instead where they are not there.
-std::uint64_t pair_bytes(std::uint64_t patches) { return patches * patches * kEntryBytes; }
+std::uint64_t pair_bytes(std::uint64_t patches) { return patches * patches * entry_bytes(FactorPrecision::single); }
 
 void run(const std::string& scene, const std::vector<std::string>& methods, const std::vector<std::uint32_t>& sizes,
          const std::string& json, const std::string& device) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/base/numbers.hpp"
 
@@ -81,6 +82,24 @@ nlohmann::ordered_json factor_json(const FactorReport& r) {
       {"closed_rows", e.closed_rows},     {"left_rows", e.left_rows},         {"sweeps", e.sweeps},
       {"mean_before", e.mean_before},     {"mean_after", e.mean_after},       {"largest_before", e.closure_before},
       {"largest_after", e.closure_after}, {"excess_before", e.excess_before}, {"excess_after", e.excess_after}};
+  return json;
+}
+
+std::string rounding_line(const FactorRounding& r, double bound) {
+  const std::string saved = r.bytes_saved >= 0 ? format_bytes(static_cast<std::uint64_t>(r.bytes_saved)) + " saved"
+                                               : format_bytes(static_cast<std::uint64_t>(-r.bytes_saved)) + " more";
+  const std::string moved = std::isfinite(bound) ? fmt::format("moves no radiosity by more than {:.2g} W/m^2", bound)
+                                                 : "may move radiosities without a bound that is known";
+  return fmt::format(
+      "  rounded     to half, {}: a factor by {:.1e} of it on average, {:.1e} at most, a row's sum by {:.1e}; it {}\n",
+      saved, r.mean, r.largest, r.row_sum_change, moved);
+}
+
+nlohmann::ordered_json rounding_json(const FactorRounding& r, double bound) {
+  nlohmann::ordered_json json = {{"largest_relative", r.largest}, {"mean_relative", r.mean},
+                                 {"row_change", r.row_change},    {"row_sum_change", r.row_sum_change},
+                                 {"bytes_saved", r.bytes_saved},  {"radiosity_bound", nullptr}};
+  if (std::isfinite(bound)) json["radiosity_bound"] = bound;
   return json;
 }
 

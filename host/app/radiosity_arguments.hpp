@@ -16,8 +16,8 @@ struct RadiosityArguments {
   std::uint32_t patches = 4000, resolution = 0, points = 1, iterations = 10000, seed = 0, shots = 16,
                 residual_samples = 4096, pair_rays = 1024, gather_rays = 0, refine = 0;
   double keep_every = 30.0, edge = 0.0, chord = 0.0, tolerance = 1e-4, seconds = 0.0, crease = 20.0, factor_mib = 0.0;
-  std::string form_factors = "hybrid", solver = "auto", pick = "power", display = "smooth", cells = "turned", save,
-              resume;
+  std::string form_factors = "hybrid", solver = "auto", pick = "power", display = "smooth", cells = "turned",
+              precision = "single", save, resume;
   std::vector<CLI::Option*> given;  ///< all of them: to tell whether one was used
 };
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "host/radiosity/factor_rounding.hpp"
 
 namespace hemiray {
 namespace {
@@ -13,7 +16,7 @@ constexpr double kCloseEnough = 1e-5;  // single precision keeps not much more o
 }  // namespace
 
 Enforcement scale_pairs(Context& context, const PatchMesh& mesh, FactorMatrix& exchange,
-                        const std::vector<double>& slack, bool enforce) {
+                        const std::vector<double>& slack, bool enforce, FactorPrecision precision) {
   Program program(context, "pair rows", {"radiosity/pair_rows.cl"}, {});
   Enforcement result;
   std::vector<bool> closed(slack.size());
@@ -30,10 +33,9 @@ Enforcement scale_pairs(Context& context, const PatchMesh& mesh, FactorMatrix& e
   for (std::uint32_t sweep = 0;; sweep++) {
     scales.write(result.scales);
     for (const FactorBlock& block : exchange.blocks) {
-      launch(context, program.kernel("radiosity_sum_scaled"), block.row_count,
-             arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                       arg("values", block.values), arg("row_count", block.row_count), arg("scales", scales),
-                       arg("sums", sums)));
+      launch(
+          context, program.kernel("radiosity_sum_scaled"), block.row_count,
+          arguments(row_arguments(block), arg("row_count", block.row_count), arg("scales", scales), arg("sums", sums)));
     }
     const std::vector<float> scaled = sums.read();
     double worst = 0.0, mean = 0.0, excess = 0.0;
@@ -78,11 +80,14 @@ Enforcement scale_pairs(Context& context, const PatchMesh& mesh, FactorMatrix& e
     }
   }
   const Buffer<shared::float4> normals(context, "patch normals", std::span(mesh.normals));
-  for (const FactorBlock& block : exchange.blocks) {
+  std::optional<FactorRounder> rounder;
+  if (precision == FactorPrecision::half) rounder.emplace(context, mesh);
+  const std::uint32_t as_factors = rounder ? 0 : 1;
+  for (FactorBlock& block : exchange.blocks) {
     launch(context, program.kernel("radiosity_scale_pairs"), block.row_count,
-           arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                     arg("values", block.values), arg("row_count", block.row_count), arg("scales", scales),
-                     arg("normals", normals)));
+           arguments(row_arguments(block), arg("row_count", block.row_count), arg("scales", scales),
+                     arg("normals", normals), arg("as_factors", as_factors)));
+    if (rounder) rounder->round(block, true);
   }
   return result;
 }

@@ -25,7 +25,9 @@ struct Enforcement {
 /// sum_j s_j A_i F_ij = A_i: of all symmetric matrices with these row sums the one nearest to the raw in relative
 /// entropy (Sinkhorn 1967 and its symmetric form); other rows have s_i = 1, or less where they would sum to more
 /// than 1. Symmetry stays to the bit. Closed rows that are off by more than their slack are left.
+/// In half precision exchange areas are what is rounded, alike for both sides of a pair.
 Enforcement scale_pairs(Context& context, const PatchMesh& mesh, FactorMatrix& exchange,
-                        const std::vector<double>& slack, bool enforce);
+                        const std::vector<double>& slack, bool enforce,
+                        FactorPrecision precision = FactorPrecision::single);
 
 }  // namespace hemiray

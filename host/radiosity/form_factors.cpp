@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/base/clock.hpp"
+#include "host/radiosity/factor_rounding.hpp"
 #include "host/radiosity/hemicube_cells.hpp"
 
 namespace hemiray {
@@ -45,6 +46,10 @@ class Maker {
     report_.cube_rays = hemicubes_.rays_traced();
     if (options_.method == FormFactors::hemicube) {
       report_.pairs = raw.entries() / 2;
+      if (options_.precision == FactorPrecision::half) {
+        FactorRounder rounder(context_, mesh_);
+        for (FactorBlock& block : raw.blocks) rounder.round(block, false);
+      }
       return raw;
     }
     std::vector<std::uint32_t> active;
@@ -70,7 +75,7 @@ class Maker {
     report_.pairs = factors.matrix.entries() / 2;
     report_.pairs_ms = lap();
     report_.enforcement = scale_pairs(context_, mesh_, factors.matrix, closed_slack(closed, factors, sides),
-                                      options_.method == FormFactors::hybrid);
+                                      options_.method == FormFactors::hybrid, options_.precision);
     sum_errors(factors, sides);
     report_.enforce_ms = lap();
     return std::move(factors.matrix);

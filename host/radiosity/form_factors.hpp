@@ -21,8 +21,9 @@ enum class FormFactors { hemicube, analytic, hybrid };
 
 struct FactorOptions {
   FormFactors method = FormFactors::hybrid;
-  HemicubeOptions hemicube;      ///< of hybrid and analytic: kReachResolution serves
-  VisibilityOptions visibility;  ///< of hybrid and analytic
+  HemicubeOptions hemicube;                             ///< of hybrid and analytic: kReachResolution serves
+  VisibilityOptions visibility;                         ///< of hybrid and analytic
+  FactorPrecision precision = FactorPrecision::single;  ///< in which they are kept, once they are made
 };
 
 /// Cells along an edge of hemicubes that only say which sides light reaches.

@@ -10,8 +10,7 @@ namespace {
 constexpr double kClosedSum = 1e-4;
 
 Arguments rows_of(const FactorBlock& block) {
-  return arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                   arg("values", block.values), arg("row_count", block.row_count));
+  return arguments(row_arguments(block), arg("row_count", block.row_count));
 }
 
 double reciprocity_of(Context& context, Program& program, const Buffer<shared::float4>& normals,
@@ -90,12 +89,6 @@ Violations Guards::violations() {
   }
   sum.reciprocity = reciprocity_of(*context_, program_, normals_, *raw_);
   return sum;
-}
-
-double reciprocity_residual(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix) {
-  Program program(context, "guards", {"radiosity/guards.cl"}, {});
-  const Buffer<shared::float4> normals(context, "patch normals", std::span(mesh.normals));
-  return reciprocity_of(context, program, normals, matrix);
 }
 
 std::vector<bool> closed_rows(const FactorMatrix& raw) {

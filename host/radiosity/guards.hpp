@@ -42,9 +42,6 @@ class Guards {
   Buffer<shared::uint4> broken_, causes_;
 };
 
-/// Largest |A_i F_ij - A_j F_ji| [m^2] of a matrix.
-double reciprocity_residual(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix);
-
 /// By side: all rays of its hemicubes met something, as far as the sum of its row tells.
 std::vector<bool> closed_rows(const FactorMatrix& raw);
 

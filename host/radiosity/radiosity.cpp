@@ -24,9 +24,13 @@ std::array<double, 3> rgb(const shared::float4& v) {
 FactorMatrix stored_factors(Context& context, Hemicubes& hemicubes, const PatchMesh& mesh,
                             const std::vector<std::uint32_t>& sources, const RadiosityOptions& options,
                             FactorMatrix matrix, SolutionFile& file, RadiosityStatistics& statistics) {
-  statistics.factor_bytes_at_most = most_factor_bytes(mesh, options.factors.hemicube);
+  const FactorPrecision precision = options.factors.precision;
+  statistics.factor_bytes_at_most = most_factor_bytes(mesh, options.factors.hemicube, precision);
+  std::optional<FactorRounder> rounder;
+  if (precision == FactorPrecision::half) rounder.emplace(context, mesh);
   hemicubes.add_rows_reached_from(sources, matrix, [&](std::uint64_t done, std::uint64_t known) {
-    statistics.expected_factor_bytes = expected_factor_bytes(hemicubes.entries_made(), done, known);
+    if (rounder && !matrix.blocks.back().is_rounded()) rounder->round(matrix.blocks.back(), false);
+    statistics.expected_factor_bytes = expected_factor_bytes(hemicubes.entries_made(), done, known, precision);
     if (statistics.expected_factor_bytes > statistics.factor_limit) return false;
     const bool go_on = !options.on_progress ||
                        options.on_progress("form factors", static_cast<double>(done) / static_cast<double>(known));
@@ -61,12 +65,13 @@ FactorMatrix paired_factors(Context& context, Parallel& parallel, Hemicubes& hem
   return matrix;
 }
 
-// What is asked for, or hemicubes where pair by pair might not fit: every patch may see every other.
+// What is asked for, or hemicubes where pair by pair might not fit: every patch may see every other, and factors are
+// rounded only once they are whole.
 FactorOptions fitting_factors(const PatchMesh& mesh, const RadiosityOptions& options, RadiosityStatistics& statistics) {
   FactorOptions factors = options.factors;
   if (factors.method == FormFactors::hemicube) return factors;
-  constexpr std::uint64_t kEntryBytes = sizeof(std::uint32_t) + sizeof(float);
-  statistics.factor_bytes_at_most = std::uint64_t{mesh.patch_count()} * mesh.patch_count() * kEntryBytes;
+  statistics.factor_bytes_at_most =
+      std::uint64_t{mesh.patch_count()} * mesh.patch_count() * entry_bytes(FactorPrecision::single);
   if (statistics.factor_bytes_at_most <= statistics.factor_limit) return factors;
   statistics.why_hemicubes =
       fmt::format("pair by pair they may take {}, and {} are allowed", format_bytes(statistics.factor_bytes_at_most),
@@ -107,7 +112,13 @@ void add_ambient(Radiosity& result) {
 
 // Before anything is computed, or before it is refined.
 void check_refinable(const RadiosityOptions& options, const PatchMesh& mesh) {
-  if (options.refine_patches == 0 || options.refine_patches > mesh.patch_count()) return;
+  if (options.refine_patches == 0) return;
+  if (options.factors.precision == FactorPrecision::half) {
+    throw InputError("--refine",
+                     "needs form factors in single precision, from which those of parts are made; leave "
+                     "out --factor-precision half");
+  }
+  if (options.refine_patches > mesh.patch_count()) return;
   throw InputError("--refine", fmt::format("{} patches are no more than the {} that the mesh has to begin with; take "
                                            "more, or fewer --patches",
                                            options.refine_patches, mesh.patch_count()));
@@ -165,6 +176,8 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   context.finish();
   statistics.factors_ms = lap();
   statistics.factor_bytes = matrix.bytes();
+  statistics.precision = options.factors.precision;
+  if (matrix.precision() == FactorPrecision::half) statistics.rounding = rounding_of(matrix);
   statistics.entries = matrix.entries();
   statistics.rows = matrix.rows();
   check_refined_memory(options, mesh, on_demand, statistics);

@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/radiosity/continuous_residual.hpp"
 #include "host/radiosity/display.hpp"
+#include "host/radiosity/factor_rounding.hpp"
 #include "host/radiosity/form_factors.hpp"
 #include "host/radiosity/hemicubes.hpp"
 #include "host/radiosity/patch_mesh.hpp"
@@ -63,6 +65,8 @@ struct RadiosityStatistics {
   double emitted_w = 0.0;                   ///< power that sources send and lights bring, all colours
   double absorbed_w = 0.0;                  ///< power that surfaces take
   double residual_ms = 0.0;
+  FactorPrecision precision = FactorPrecision::single;  ///< asked for; rows on demand are in single
+  std::optional<FactorRounding> rounding;               ///< what it did to the factors that are kept
   FactorReport factors;
   std::string why_hemicubes;  ///< where pair by pair was asked for, and the factors would not fit; else empty
   RefineReport refinement;

@@ -14,7 +14,7 @@
 namespace hemiray {
 namespace {
 
-constexpr SectionFileKind kKind{"solution", 1};
+constexpr SectionFileKind kKind{"solution", 2};
 constexpr double kRestShare = 10.0;  // times what a write took passes at least before the next
 
 // Places, what patches are cut from, and what their sides reflect, pass and send.
@@ -37,7 +37,14 @@ std::vector<std::uint8_t> block_bytes(const FactorBlock& block) {
   add(block.rows);
   add(block.starts);
   add(block.columns);
-  add(block.values);
+  add(block.row_scales);
+  if (block.is_rounded()) {
+    add(block.halves);
+  } else {
+    add(block.values);
+  }
+  auto changes = block.changes;
+  archive.list(changes);
   return archive.take();
 }
 
@@ -52,11 +59,22 @@ FactorBlock block_from(Context& context, std::span<const std::uint8_t> bytes) {
   take("factor rows", block.rows);
   take("factor starts", block.starts);
   take("factor columns", block.columns);
-  take("factor values", block.values);
+  take("factor scales", block.row_scales);
+  if (block.is_rounded()) {
+    take("factor values", block.halves);
+  } else {
+    take("factor values", block.values);
+    block.row_scales = {};
+  }
+  archive.list(block.changes);
   archive.end();
   block.row_count = static_cast<std::uint32_t>(block.rows.size());
   block.entries = static_cast<std::uint32_t>(block.columns.size());
-  if (block.starts.size() != block.rows.size() + 1 || block.values.size() != block.columns.size()) Archive::fail();
+  const std::size_t rounded = block.is_rounded() ? block.rows.size() : 0;
+  if (block.starts.size() != block.rows.size() + 1 || block.values.size() + block.halves.size() != block.entries ||
+      block.row_scales.size() != rounded || block.changes.size() != rounded) {
+    Archive::fail();
+  }
   return block;
 }
 

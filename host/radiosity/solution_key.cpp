@@ -49,7 +49,7 @@ std::string kernels_hash() {
 // compile before it is thought of here: those left out do not change what is computed.
 nlohmann::ordered_json options_json(const RadiosityOptions& options, const DeviceInfo& device) {
   const auto& [edge_m, patches, chord_m] = options.mesh;
-  const auto& [method, hemicube, visibility] = options.factors;
+  const auto& [method, hemicube, visibility, precision] = options.factors;
   const auto& [view, resolution, divisions, turned, jittered, seed, batch_bytes] = hemicube;
   const auto& [few, many, accuracy, visibility_seed] = visibility;
   const auto& [kind, tolerance, iterations, seconds, group, shots, pick, restart, single_precision, on_iteration,
@@ -64,6 +64,7 @@ nlohmann::ordered_json options_json(const RadiosityOptions& options, const Devic
   json["--points"] = divisions * divisions;
   json["--cells"] = jittered ? "jittered" : (turned ? "turned" : "aligned");
   json["--seed"] = {seed, visibility_seed};
+  json["--factor-precision"] = to_string(precision);
   json["rows a batch"] = batch_bytes;
   json["--pair-rays"] = {few, many, accuracy};
   json["--factor-memory"] = options.factor_bytes > 0 ? options.factor_bytes : device.global_bytes;

@@ -66,6 +66,12 @@ SolveStep SolveBound::judge(const SolverState& state) {
   return step;
 }
 
+double SolveBound::of_change(const std::vector<double>& sources, double largest) const {
+  if (weights_.empty()) return kInfinite;
+  const double share = ratio_of(sources, margins_) * largest_of(weights_);  // of max |B'| <= largest + what is sought
+  return share < 1.0 ? share * largest / (1.0 - share) : kInfinite;
+}
+
 void SolveBound::exchange(Archive& archive) {
   archive.list(weights_);
   archive.list(margins_);

@@ -12,6 +12,11 @@ class SolveBound {
   /// Largest residual and bound of a state; infinite while no w is certified.
   SolveStep judge(const SolverState& state);
 
+  /// How far radiosities can be from those of other factors, if all |(T' - T) B|_i <= sources[i] max |B|, T = I - rho F
+  /// - tau F' of these and T' of the others, and `largest` >= |B| of these: by T (B' - B) = (T - T') B' and the
+  /// certificate. Infinite if there is none, or if it is too large to tell.
+  [[nodiscard]] double of_change(const std::vector<double>& sources, double largest) const;
+
   void exchange(Archive& archive);
 
   /// Of each side, for the state judged last.

@@ -60,6 +60,7 @@ void check_solver_input(const PatchMesh& mesh, const SolveOptions& options) {
 void check_rows(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix) {
   ProgramOptions options;
   options.double_precision = context.device().has_fp64;
+  options.defines = factor_defines(matrix.precision());
   Program program(context, "radiosity", {"radiosity/solve.cl"}, options);
   Buffer<float> own(context, "own factors", mesh.side_count()), sums(context, "row sums", mesh.side_count()),
       least(context, "least factors", mesh.side_count());
@@ -67,8 +68,7 @@ void check_rows(Context& context, const PatchMesh& mesh, const FactorMatrix& mat
   least.clear();
   for (const FactorBlock& block : matrix.blocks) {
     launch(context, program.kernel("radiosity_find_row_facts"), block.row_count,
-           arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                     arg("values", block.values), arg("row_count", block.row_count), arg("own", own), arg("sums", sums),
+           arguments(row_arguments(block), arg("row_count", block.row_count), arg("own", own), arg("sums", sums),
                      arg("least", least)));
   }
   const std::vector<float> sum = sums.read(), smallest = least.read();
@@ -90,7 +90,9 @@ void check_rows(Context& context, const PatchMesh& mesh, const FactorMatrix& mat
 }
 
 double find_asymmetry(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix, double enough) {
-  Program program(context, "radiosity symmetry", {"radiosity/symmetry.cl"}, {});
+  ProgramOptions options;
+  options.defines = factor_defines(matrix.precision());
+  Program program(context, "radiosity symmetry", {"radiosity/symmetry.cl"}, options);
   const Buffer<shared::float4> normals(context, "patch normals", std::span(mesh.normals));
   Buffer<shared::float2> largest(context, "largest exchange factors", context.profile().chunks);
   largest.clear();
@@ -106,11 +108,10 @@ double find_asymmetry(Context& context, const PatchMesh& mesh, const FactorMatri
     const Buffer<std::uint32_t> places(context, "places of rows", std::span<const std::uint32_t>(place));
     for (const FactorBlock& block : matrix.blocks) {
       launch(context, program.kernel("radiosity_compare_transpose"), largest.size(),
-             arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                       arg("values", block.values), arg("row_count", block.row_count),
-                       arg("other_starts", other.starts), arg("other_columns", other.columns),
-                       arg("other_values", other.values), arg("place", places), arg("other_first", first),
-                       arg("other_end", end), arg("normals", normals), arg("largest", largest)));
+             arguments(row_arguments(block), arg("row_count", block.row_count), arg("other_starts", other.starts),
+                       arg("other_columns", other.columns), value_arguments(other, "other_values"),
+                       arg("place", places), arg("other_first", first), arg("other_end", end), arg("normals", normals),
+                       arg("largest", largest)));
     }
     double most = 0.0, apart = 0.0;
     for (const shared::float2& part : largest.read()) {

@@ -21,7 +21,8 @@ class Krylov : public SolveMethod {
       : system_(context, mesh, matrix),
         restart_(options.restart),
         context_(context),
-        program_(context, "radiosity krylov", {"radiosity/krylov.cl"}, solver_program_options<Real>()),
+        program_(context, "radiosity krylov", {"radiosity/krylov.cl"},
+                 solver_program_options<Real>(matrix.precision())),
         weights_(context, "weights", mesh.side_count()),
         partials_(context, "partial sums", context.profile().chunks) {}
 

@@ -18,9 +18,8 @@ class Relaxation final : public SolveMethod {
     const Buffer<float> sums(context, "row sums", mesh.side_count()), least(context, "least", mesh.side_count());
     for (const FactorBlock& block : matrix.blocks) {
       launch(context, system_.kernel("radiosity_find_row_facts"), block.row_count,
-             arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                       arg("values", block.values), arg("row_count", block.row_count), arg("own", own_),
-                       arg("sums", sums), arg("least", least)));
+             arguments(row_arguments(block), arg("row_count", block.row_count), arg("own", own_), arg("sums", sums),
+                       arg("least", least)));
     }
     context.finish();
   }

@@ -28,7 +28,8 @@ class Shooting final : public SolveMethod {
         options_(options),
         matrix_(matrix),
         rows_on_demand_(std::move(rows)),
-        program_(context, "radiosity shooting", {"radiosity/shoot.cl"}, solver_program_options<Real>()),
+        program_(context, "radiosity shooting", {"radiosity/shoot.cl"},
+                 solver_program_options<Real>(matrix != nullptr ? matrix->precision() : FactorPrecision::single)),
         materials_(context, mesh),
         normals_(context, "patch normals", std::span(mesh.normals)),
         radiosity_(context, "radiosity", mesh.side_count()),
@@ -121,7 +122,12 @@ class Shooting final : public SolveMethod {
     rowless_.rows = Buffer<std::uint32_t>(context_, "sides without rows", std::span<const std::uint32_t>(rowless));
     rowless_.starts = Buffer<std::uint32_t>(context_, "their starts", rowless.size() + 1);
     rowless_.columns = Buffer<std::uint32_t>(context_, "their columns", 0);
-    rowless_.values = Buffer<float>(context_, "their values", 0);
+    if (matrix_->precision() == FactorPrecision::half) {
+      rowless_.halves = Buffer<std::uint16_t>(context_, "their values", 0);
+      rowless_.row_scales = Buffer<float>(context_, "their scales", rowless.size());
+    } else {
+      rowless_.values = Buffer<float>(context_, "their values", 0);
+    }
     rowless_.starts.clear();
   }
 
@@ -175,15 +181,14 @@ class Shooting final : public SolveMethod {
   void shoot(const FactorBlock& block, const std::vector<std::uint32_t>& rows) {
     const Buffer<std::uint32_t> picks(context_, "picked rows", std::span(rows));
     const auto count = static_cast<std::uint32_t>(rows.size());
-    const Arguments row_arguments =
-        arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                  arg("values", block.values), arg("picks", picks), arg("count", count), arg("shot", shot_),
+    const Arguments shared_arguments =
+        arguments(row_arguments(block), arg("picks", picks), arg("count", count), arg("shot", shot_),
                   arg("reflectance", materials_.reflectance), arg("unshot", unshot_));
     launch(context_, program_.kernel("radiosity_take_unshot"), count,
-           arguments(row_arguments, arg("radiosity", radiosity_)));
+           arguments(shared_arguments, arg("radiosity", radiosity_)));
     const std::uint32_t items = std::min(mesh_.patch_count(), context_.profile().chunks);
     launch(context_, program_.kernel("radiosity_spread"), items,
-           arguments(row_arguments, arg("normals", normals_), arg("patch_count", mesh_.patch_count()),
+           arguments(shared_arguments, arg("normals", normals_), arg("patch_count", mesh_.patch_count()),
                      arg("transmittance", materials_.transmittance), arg("incident", incident_),
                      arg("reached", reached_)));
     context_.finish();  // before the picks go

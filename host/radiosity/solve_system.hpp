@@ -33,9 +33,10 @@ struct WideSum<float> {
 };
 
 template <typename Real>
-ProgramOptions solver_program_options() {
+ProgramOptions solver_program_options(FactorPrecision factors) {
   ProgramOptions options;
   options.double_precision = sizeof(Real) == sizeof(double);
+  options.defines = factor_defines(factors);
   return options;
 }
 
@@ -82,7 +83,7 @@ class SolveSystem {
         materials(context, mesh),
         context_(&context),
         matrix_(&matrix),
-        program_(context, "radiosity", {"radiosity/solve.cl"}, solver_program_options<Real>()) {
+        program_(context, "radiosity", {"radiosity/solve.cl"}, solver_program_options<Real>(matrix.precision())) {
     incident.clear();
     std::vector<Real4<Real>> start(mesh.side_count());
     for (std::size_t s = 0; s < start.size(); s++) {
@@ -105,8 +106,7 @@ class SolveSystem {
   /// incident = F x for some rows of a block, or all of the matrix.
   void gather(const FactorBlock& block, std::uint32_t first, std::uint32_t rows, const Buffer<Real4<Real>>& x) {
     launch(*context_, kernel("radiosity_gather"), rows,
-           arguments(arg("rows", block.rows), arg("starts", block.starts), arg("columns", block.columns),
-                     arg("values", block.values), arg("first", first), arg("count", rows), arg("radiosity", x),
+           arguments(row_arguments(block), arg("first", first), arg("count", rows), arg("radiosity", x),
                      arg("incident", incident)));
   }
   void gather(const Buffer<Real4<Real>>& x) {

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "host/base/clock.hpp"
 #include "host/base/error.hpp"
+#include "host/radiosity/factor_rounding.hpp"
 #include "host/radiosity/solve_bound.hpp"
 #include "host/radiosity/solve_checks.hpp"
 #include "host/radiosity/solve_method.hpp"
@@ -42,7 +44,18 @@ void add_ambient(const PatchMesh& mesh, const SolverState& state, Solution& solu
   }
 }
 
-Solution iterate(const PatchMesh& mesh, SolveMethod& method, const SolveOptions& options) {
+// What rounding of factors takes from T B at most, relative to max |B|.
+std::vector<double> rounding_sources(const PatchMesh& mesh, const std::vector<double>& changes) {
+  const auto most = [](const shared::float4& v) { return static_cast<double>(std::max({v.x, v.y, v.z})); };
+  std::vector<double> sources(changes.size());
+  for (std::size_t s = 0; s < sources.size(); s++) {
+    sources[s] = most(mesh.reflectance[s]) * changes[s] + most(mesh.transmittance[s]) * changes[s ^ 1U];
+  }
+  return sources;
+}
+
+// `matrix`: none where rows come on demand.
+Solution iterate(const PatchMesh& mesh, const FactorMatrix* matrix, SolveMethod& method, const SolveOptions& options) {
   Solution solution;
   solution.kind = options.kind;
   std::vector<SolveStep>& history = solution.history;
@@ -103,6 +116,12 @@ Solution iterate(const PatchMesh& mesh, SolveMethod& method, const SolveOptions&
   }
   solution.irradiance = method.irradiance();
   solution.bounds = bound.of_sides();
+  if (matrix != nullptr && matrix->precision() == FactorPrecision::half) {
+    solution.rounding_bound =
+        options.kind == SolverKind::southwell
+            ? std::numeric_limits<double>::infinity()
+            : bound.of_change(rounding_sources(mesh, row_changes(*matrix)), solution.largest + history.back().bound);
+  }
   for (const auto& b : state.radiosity) solution.radiosity.push_back({b[0], b[1], b[2]});
   if (method.is_progressive()) add_ambient(mesh, state, solution);
   return solution;
@@ -170,7 +189,7 @@ Solution solve_radiosity(Context& context, const PatchMesh& mesh, const FactorMa
   } else {
     method = make_relaxation(context, mesh, matrix, chosen);
   }
-  Solution solution = iterate(mesh, *method, chosen);
+  Solution solution = iterate(mesh, &matrix, *method, chosen);
   solution.why = choice.why;
   solution.asymmetry = choice.asymmetry;
   return solution;
@@ -182,7 +201,7 @@ Solution solve_radiosity_on_demand(Context& context, const PatchMesh& mesh, cons
   SolveOptions chosen = options;
   chosen.kind = SolverKind::southwell;
   const std::unique_ptr<SolveMethod> method = make_shooting(context, mesh, nullptr, rows, chosen);
-  Solution solution = iterate(mesh, *method, chosen);
+  Solution solution = iterate(mesh, nullptr, *method, chosen);
   solution.on_demand = true;
   if (options.kind == SolverKind::automatic) solution.why = "it needs no matrix";
   return solution;

@@ -64,6 +64,9 @@ struct Solution {
   bool converged = false;
   bool on_demand = false;  ///< rows were computed when sides were shot, and dropped
   double largest = 0.0;    ///< of the radiosities [W/m^2]
+  /// With factors in half precision: no radiosity differs by more from that with factors in single [W/m^2], both exact.
+  /// Infinite where it is not known: of southwell, which takes columns from rounded rows. In single: 0.
+  double rounding_bound = 0.0;
   double asymmetry = 0.0;  ///< max |A_i F_ij - A_j F_ji| / max A_i F_ij; where it was not asked: 0
   double unshot_w = 0.0;   ///< southwell's power not shot yet, all colours [W]
   std::array<double, 3> ambient{0.0, 0.0, 0.0};  ///< irradiance that it will bring on average, rgb [W/m^2]; 0 once

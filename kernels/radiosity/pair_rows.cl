@@ -56,10 +56,10 @@ kernel void radiosity_apply_visibility(global const uint* restrict visible, glob
   sums[i] = sum;
 }
 
-// sums[row groups + k] = what may be wrong with the exchange of side first + begin + row with all of area k: x the bound
-// of the quadrature's error [m^2], y the variance of its rays [m^4], z what its partly hidden pairs would exchange with
-// nothing in the way [m^2]. `dense`: what pairs would exchange, from side `first` on. sums are 0 before. Launch: one
-// item a row.
+// sums[row groups + k] = what may be wrong with the exchange of side first + begin + row with all of area k: x the
+// bound of the quadrature's error [m^2], y the variance of its rays [m^4], z what its partly hidden pairs would
+// exchange with nothing in the way [m^2]. `dense`: what pairs would exchange, from side `first` on. sums are 0 before.
+// Launch: one item a row.
 kernel void radiosity_sum_pair_errors(global const uint* restrict visible, global const uint* restrict partial,
                                       global const uint* restrict starts, global const uint* restrict columns,
                                       global const float* restrict shares, global const float* restrict errors,
@@ -115,14 +115,14 @@ kernel void radiosity_sum_scaled(global const uint* restrict rows, global const 
   sums[rows[k]] = sum;
 }
 
-// Exchange areas become factors: F_ij = (s_i s_j) G_ij / A_i. Launch: row_count items.
+// Exchange areas are scaled, (s_i s_j) G_ij, and with as_factors divided by A_i: F_ij. Launch: row_count items.
 kernel void radiosity_scale_pairs(global const uint* restrict rows, global const uint* restrict starts,
                                   global const uint* restrict columns, const uint row_count,
                                   global const float* restrict scales, global const float4* restrict normals,
-                                  global float* restrict values) {
+                                  const uint as_factors, global float* restrict values) {
   const uint k = (uint)get_global_id(0);
   if (k >= row_count) return;
   const uint i = rows[k];
-  const float scale = scales[i], area = normals[i / 2].w;
+  const float scale = scales[i], area = as_factors ? normals[i / 2].w : 1.0f;
   for (uint e = starts[k]; e < starts[k + 1]; e++) values[e] = (scale * scales[columns[e]]) * values[e] / area;
 }

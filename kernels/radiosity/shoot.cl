@@ -2,6 +2,7 @@
 // Radiosity Image Generation"): the sides with the most unshot light send it to all others. A row is all a shot needs:
 // its column follows by reciprocity, F_ki = F_ik A_i / A_k.
 #include "lib/chunk.h"
+#include "radiosity/factors.h"
 #include "radiosity/row_search.h"
 #include "radiosity/wide_sum.h"
 #include "shared/radiosity_types.h"
@@ -37,7 +38,7 @@ kernel void radiosity_pick(global const wide4* restrict unshot, global const flo
 // Shot n, from side rows[picks[n]]: shot[n] = e / (1 - rho F_ii), what the side sends, its own light on itself summed
 // up; B += shot; and e keeps what rounding leaves of it, nothing in exact arithmetic. Launch: count items.
 kernel void radiosity_take_unshot(global const uint* restrict rows, global const uint* restrict starts,
-                                  global const uint* restrict columns, global const float* restrict values,
+                                  global const uint* restrict columns, HR_FACTORS(values),
                                   global const uint* restrict picks, const uint count,
                                   global const float4* restrict reflectance, global wide4* restrict unshot,
                                   global wide4* restrict radiosity, global real4* restrict shot) {
@@ -45,7 +46,7 @@ kernel void radiosity_take_unshot(global const uint* restrict rows, global const
   if (n >= count) return;
   const uint k = picks[n], side = rows[k];
   const uint entry = first_entry(columns, starts[k], starts[k + 1], side);
-  const real own = entry < starts[k + 1] && columns[entry] == side ? (real)values[entry] : (real)0;
+  const real own = entry < starts[k + 1] && columns[entry] == side ? (real)HR_FACTOR(values, k, entry) : (real)0;
   const real4 kept = (real4)(1) - real4_of(reflectance[side]) * (real4)(own);
   const real4 sent = wide_value(unshot[side]) / kept;
   shot[n] = sent;
@@ -58,12 +59,11 @@ kernel void radiosity_take_unshot(global const uint* restrict rows, global const
 // The sides are dealt out to the items, which go through the rows in order, so that sums have one order. Launch: G
 // items.
 kernel void radiosity_spread(global const uint* restrict rows, global const uint* restrict starts,
-                             global const uint* restrict columns, global const float* restrict values,
-                             global const uint* restrict picks, const uint count, global const real4* restrict shot,
-                             global const float4* restrict normals, const uint patch_count,
-                             global const float4* restrict reflectance, global const float4* restrict transmittance,
-                             global wide4* restrict unshot, global real4* restrict incident,
-                             global uint* restrict reached) {
+                             global const uint* restrict columns, HR_FACTORS(values), global const uint* restrict picks,
+                             const uint count, global const real4* restrict shot, global const float4* restrict normals,
+                             const uint patch_count, global const float4* restrict reflectance,
+                             global const float4* restrict transmittance, global wide4* restrict unshot,
+                             global real4* restrict incident, global uint* restrict reached) {
   const uint g = (uint)get_global_id(0), groups = (uint)get_global_size(0);
   const uint begin = 2 * chunk_begin(patch_count, g, groups), end = 2 * chunk_begin(patch_count, g + 1, groups);
   for (uint n = 0; n < count; n++) {
@@ -72,7 +72,7 @@ kernel void radiosity_spread(global const uint* restrict rows, global const uint
     const real4 sent = shot[n];
     for (uint i = first_entry(columns, starts[k], starts[k + 1], begin); i < starts[k + 1] && columns[i] < end; i++) {
       const uint to = columns[i];
-      const real4 arrives = sent * (real4)((real)values[i] * (area / (real)normals[to / 2].w));
+      const real4 arrives = sent * (real4)((real)HR_FACTOR(values, k, i) * (area / (real)normals[to / 2].w));
       incident[to] += arrives;
       // What the side sends to itself is in `sent` already.
       if (to != side) unshot[to] = wide_add_product(unshot[to], arrives, real4_of(reflectance[to]));

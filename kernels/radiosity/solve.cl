@@ -1,6 +1,7 @@
 // The radiosity system B_i = E_i + rho_i H_i + tau_i H_i', H_i = sum_j F_ij B_j what arrives on side i, H_i' on the
 // other side of the same triangle. Four columns are solved together: red, green, blue, and w: the system (I - rho F -
 // tau F') w = 1 with the largest rho and tau of the three, whose solution bounds the error (host/radiosity/solver.hpp).
+#include "radiosity/factors.h"
 #include "radiosity/wide_sum.h"
 #include "shared/radiosity_types.h"
 
@@ -12,13 +13,13 @@
 // incident[rows[k]] = H of it, for k in [first, first + count). Launch: count items.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_gather(
     global const uint* restrict rows, global const uint* restrict starts, global const uint* restrict columns,
-    global const float* restrict values, const uint first, const uint count, global const real4* restrict radiosity,
+    HR_FACTORS(values), const uint first, const uint count, global const real4* restrict radiosity,
     global wide4* restrict incident) {
   if (get_global_id(0) >= count) return;
   const uint k = first + (uint)get_global_id(0);
   wide4 sum = wide_of((real4)(0));
   for (uint i = starts[k]; i < starts[k + 1]; i++) {
-    sum = wide_add_product(sum, radiosity[columns[i]], (real4)((real)values[i]));
+    sum = wide_add_product(sum, radiosity[columns[i]], (real4)((real)HR_FACTOR(values, k, i)));
   }
   incident[rows[k]] = sum;
 }
@@ -62,16 +63,17 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity
 // given, or 0. Launch: row_count items.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_find_row_facts(
     global const uint* restrict rows, global const uint* restrict starts, global const uint* restrict columns,
-    global const float* restrict values, const uint row_count, global float* restrict own, global float* restrict sums,
+    HR_FACTORS(values), const uint row_count, global float* restrict own, global float* restrict sums,
     global float* restrict least) {
   const uint k = (uint)get_global_id(0);
   if (k >= row_count) return;
   float found = 0, smallest = 0;
   wide4 sum = wide_of((real4)(0));
   for (uint i = starts[k]; i < starts[k + 1]; i++) {
-    if (columns[i] == rows[k]) found = values[i];
-    smallest = values[i] >= smallest ? smallest : values[i];  // takes NaN
-    sum = wide_add_product(sum, (real4)((real)values[i]), (real4)(1));
+    const float value = HR_FACTOR(values, k, i);
+    if (columns[i] == rows[k]) found = value;
+    smallest = value >= smallest ? smallest : value;  // takes NaN
+    sum = wide_add_product(sum, (real4)((real)value), (real4)(1));
   }
   own[rows[k]] = found;
   sums[rows[k]] = (float)wide_value(sum).x;

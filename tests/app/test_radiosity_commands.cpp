@@ -104,6 +104,9 @@ TEST_CASE("solve --refine cuts patches where light varies, and tells what that g
   const ProgramResult few = solve({"--refine", "200"});
   CHECK(few.exit_code == 2);
   CHECK_THAT(few.err, Catch::Contains("--refine: 200 patches are no more than"));
+  const ProgramResult half = solve({"--refine", "500", "--factor-precision", "half"});
+  CHECK(half.exit_code == 2);
+  CHECK_THAT(half.err, Catch::Contains("--refine: needs form factors in single precision"));
   const ProgramResult no_room = solve({"--refine", "500", "--factor-memory", "0.1", "--form-factors", "hemicube"});
   CHECK(no_room.exit_code == 2);
   CHECK_THAT(no_room.err, Catch::Contains("--factor-memory"));

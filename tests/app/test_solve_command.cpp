@@ -65,6 +65,26 @@ TEST_CASE("a solution that is stopped early is kept, with its ambient light") {
   CHECK_FALSE(json.contains("continuous_residual"));
 }
 
+TEST_CASE("solve --factor-precision half tells its error and what it saves, and that rows on demand are single") {
+  const TempFolder folder;
+  const ProgramResult result = solve(folder, {"--factor-precision", "half", "--residual-samples", "0"});
+  INFO(result.out << result.err);
+  REQUIRE(result.exit_code == 0);
+  const auto json = nlohmann::json::parse(result.out);
+  CHECK(json["factor_precision"] == "half");
+  CHECK(json["solver"] == "cg");
+  const auto& rounding = json["factor_rounding"];
+  CHECK(rounding["bytes_saved"].get<double>() > 0.2 * json["factor_bytes"].get<double>());
+  CHECK(rounding["mean_relative"].get<double>() < 0x1p-11);
+  CHECK(rounding["radiosity_bound"].get<double>() < 1e-2 * json["largest_radiosity"].get<double>());
+  const ProgramResult shot = solve(folder, {"--factor-precision", "half", "--factor-memory", "0.01"});
+  REQUIRE(shot.exit_code == 0);
+  CHECK(nlohmann::json::parse(shot.out)["factor_precision"] == "single");
+  const ProgramResult refused = solve(folder, {"--factor-precision", "double"});
+  CHECK(refused.exit_code == 2);
+  CHECK_THAT(refused.err, Catch::Contains("--factor-precision") && Catch::Contains("half"));
+}
+
 TEST_CASE("solve computes factors on demand where they do not fit, or says what to do") {
   const TempFolder folder;
   const std::vector<std::string> tight = {"--factor-memory", "0.01"};

@@ -145,8 +145,11 @@ TEST_CASE("a solver's state of another system is refused") {
 TEST_CASE("a solution that is stopped in factors or iterations goes on from its file with the same bits") {
   RadiosityBench bench;
   const FlatScene flat = small_room();
-  for (const FormFactors method : {FormFactors::hemicube, FormFactors::hybrid}) {
-    const RadiosityOptions options = small_options(method);
+  using enum FactorPrecision;
+  for (const auto& [method, precision] :
+       {std::pair(FormFactors::hemicube, single), {FormFactors::hybrid, single}, {FormFactors::hemicube, half}}) {
+    RadiosityOptions options = small_options(method);
+    options.factors.precision = precision;
     const Radiosity whole = compute_radiosity(bench.context, flat, options);
     REQUIRE(whole.solution.converged);
     for (const int stop : {1, 3, 6, 9, 12}) {
@@ -159,7 +162,7 @@ TEST_CASE("a solution that is stopped in factors or iterations goes on from its 
       stopped.solve.on_iteration = [&](std::uint32_t, double) { return ++calls < stop; };
       const Radiosity part = compute_radiosity(bench.context, flat, stopped);
       const Radiosity rest = compute_radiosity(bench.context, flat, resumed);
-      CAPTURE(static_cast<int>(method), stop, part.statistics.rows, rest.statistics.kept_rows);
+      CAPTURE(static_cast<int>(method), to_string(precision), stop, part.statistics.rows, rest.statistics.kept_rows);
       CHECK(same_bits(rest.solution, whole.solution));
       CHECK(rest.irradiance == whole.irradiance);
       CHECK(rest.statistics.rows == whole.statistics.rows);
@@ -169,6 +172,8 @@ TEST_CASE("a solution that is stopped in factors or iterations goes on from its 
       CHECK(same_bits(again.solution, whole.solution));
       CHECK(again.statistics.kept_rows == whole.statistics.rows);
       CHECK(again.statistics.rays == 0);
+      CHECK(again.statistics.rounding.has_value() == (precision == half));
+      if (again.statistics.rounding) CHECK(again.statistics.rounding->mean == whole.statistics.rounding->mean);
     }
   }
 }
@@ -200,9 +205,10 @@ TEST_CASE("solutions with other input are told apart, in words") {
   RadiosityOptions other = options;
   other.mesh.patches = 200;
   other.solve.tolerance = 1e-3;
-  CHECK_THAT(
-      difference_of_keys(key, solution_key(bench.context, flat, other)),
-      Catch::Contains("--patches (100 there, 200 now)") && Catch::Contains("--tolerance (0.0001 there, 0.001 now)"));
+  other.factors.precision = FactorPrecision::half;
+  CHECK_THAT(difference_of_keys(key, solution_key(bench.context, flat, other)),
+             Catch::Contains("--patches (100 there, 200 now)") &&
+                 Catch::Contains("--tolerance (0.0001 there, 0.001 now)") && Catch::Contains("--factor-precision"));
   FlatScene brighter = flat;
   brighter.materials[1].emission.x *= 2.0F;
   CHECK(difference_of_keys(key, solution_key(bench.context, brighter, options)) == "scene");
