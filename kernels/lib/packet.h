@@ -42,6 +42,15 @@ static inline void narrow_interval(global const float* node, const AxisInterval*
   }
 }
 
+// Where the rays leave a slab from lo to hi [m] about their origin. In the plane of its end and along it, they do not:
+// 0 times their rate would say at once.
+static inline float16 slab_exit(float lo, float hi, float16 rate) {
+#pragma OPENCL FP_CONTRACT OFF
+  const float16 t = max(lo * rate, hi * rate);
+  if (lo != 0 && hi != 0) return t;
+  return select(t, (float16)(INFINITY), fabs(rate) >= 0.99f / HR_TINY_DIRECTION);
+}
+
 // Does any ray of the packet enter child `lane` of the node?
 static inline bool any_ray_enters(const Packet* p, global const float* node, uint lane) {
 #pragma OPENCL FP_CONTRACT OFF
@@ -53,7 +62,8 @@ static inline bool any_ray_enters(const Packet* p, global const float* node, uin
     const float16 y0 = lo_y * p->ry[k], y1 = hi_y * p->ry[k];
     const float16 z0 = lo_z * p->rz[k], z1 = hi_z * p->rz[k];
     const float16 t_in = max((float16)(p->t_min), max(max(min(x0, x1), min(y0, y1)), min(z0, z1)));
-    const float16 t_out = min(p->t[k], min(min(max(x0, x1), max(y0, y1)), max(z0, z1))) * HR_SLAB_PAD;
+    const float16 out_x = slab_exit(lo_x, hi_x, p->rx[k]), out_y = slab_exit(lo_y, hi_y, p->ry[k]);
+    const float16 t_out = min(p->t[k], min(min(out_x, out_y), slab_exit(lo_z, hi_z, p->rz[k]))) * HR_SLAB_PAD;
     if (any_lane16(t_in <= t_out)) return true;
   }
   return false;
