@@ -189,7 +189,7 @@ TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and no
   }
 }
 
-TEST_CASE("render --method radiosity shows what a translucent wall passes; whitted says that it does not") {
+TEST_CASE("render --method radiosity shows what a translucent wall passes, and whitted says that it does not") {
   // Two closed cubes; with these emissions all of the second one sends B' = 0.4 * 10 / 0.7, the wall's back among it
   // (tests/radiosity/test_translucency.cpp has the equations).
   const std::string text = R"({
