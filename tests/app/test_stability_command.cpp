@@ -29,7 +29,7 @@ TEST_CASE("stability tells the rates of every rung as a table, JSON and Markdown
     CHECK(report["precision"] == precision);
     CHECK(report["complete"] == false);
     CHECK(report["holds"] == true);
-    REQUIRE(report["cases"].size() == 1);
+    REQUIRE(report["cases"].size() == 2);  // and "slivers, few"
     REQUIRE(report["cases"][0]["rungs"].size() == 6);
     for (const json& rung : report["cases"][0]["rungs"]) {
       for (const char* key : {"missed", "false_hit", "wrong_surface", "self_hit", "tunnelled"}) {

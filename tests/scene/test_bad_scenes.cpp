@@ -272,7 +272,7 @@ TEST_CASE("bad scenes: lights") {
        ": /lights/0/inner_angle", "must not exceed outer_angle"},
       {"\"lights\": [{\"type\": \"spot\", \"position\": [0, 0, 0], \"direction\": [0, 1, 0], \"intensity\": 1, "
        "\"outer_angle\": 91}]",
-       ": /lights/0/outer_angle", "from"},
+       ": /lights/0/outer_angle", "at most 90"},
       {"\"lights\": [{\"type\": \"area\", \"corner\": [0, 0, 0], \"edge_u\": [1, 0, 0], \"edge_v\": [2, 0, 0], "
        "\"radiance\": 1}]",
        ": /lights/0/edge_v", "no area"},
