@@ -16,12 +16,14 @@ std::string factor_table(const RadiosityStatistics& s) {
                        format_bytes(s.factor_bytes));
   }
   const std::string kept = s.kept_rows > 0 ? fmt::format(" ({} from the file)", s.kept_rows) : "";
-  std::string text = fmt::format("form factors  {} rows{}, {} entries in {}; {} rays, {:.2f} s, {:.1f} Mrays/s\n",
-                                 s.rows, kept, s.entries, format_bytes(s.factor_bytes), s.rays, 1e-3 * s.factors_ms,
-                                 1e-3 * static_cast<double>(s.rays) / std::max(s.factors_ms, 1e-9));
+  std::string text =
+      fmt::format("form factors  {} rows{}, {} entries in {}; {} rays or drawn cells, {:.2f} s, {:.1f} M/s\n", s.rows,
+                  kept, s.entries, format_bytes(s.factor_bytes), s.rays, 1e-3 * s.factors_ms,
+                  1e-3 * static_cast<double>(s.rays) / std::max(s.factors_ms, 1e-9));
   if (!r.enforcement) return text;
-  text += fmt::format("  pairs       {} exchange light: {} close or cut, {} partly hidden\n", r.pairs, r.near_pairs,
-                      r.partial_pairs);
+  text += fmt::format(
+      "  pairs       {} exchange light; of all that face each other {} are close or cut, {} partly hidden\n", r.pairs,
+      r.near_pairs, r.partial_pairs);
   text += fmt::format(
       "  time        hemicubes {:.2f} s, visibility {:.2f} s, partly hidden {:.2f} s, factors {:.2f} s, rows {:.2f} "
       "s\n",
