@@ -117,7 +117,9 @@ TEST_CASE("a final gather samples every kind of light, on patches as on the scen
 
 TEST_CASE("a final gather gives the same bits and rays in both engines, mirrors in the picture") {
   Scene scene = load_scene(HR_SOURCE_DIR "/scenes/cornell_box.json");
-  scene.materials[scene.objects[6].material].kr = Vec3(0.4F);
+  scene.materials.push_back(scene.materials[0]);
+  scene.materials.back().kr = Vec3(0.4F);
+  scene.objects[6].material = static_cast<int>(scene.materials.size()) - 1;
   Context setup(choose_device(""));
   const Solved solved = solve(setup, scene, 300);
   const FlatScene patches = gathered(solved, 5);
