@@ -35,6 +35,25 @@ CLI::Option* add_to_group(RadiosityArguments& a, CLI::Option* option) {
   return option->group("Radiosity");
 }
 
+bool is_by_cubes(const RadiosityArguments& a) { return a.form_factors == "hemicube" || a.form_factors == "raster"; }
+
+// An option without effect is a mistake: who gives it expects one.
+void check_effective(const RadiosityArguments& a) {
+  const auto refuse = [&a](const char* name, bool effective, const std::string& why) {
+    const bool given = std::ranges::any_of(
+        a.given, [name](const CLI::Option* option) { return option->get_name() == name && option->count() > 0; });
+    if (given && !effective) throw InputError(name, why + "; leave it out");
+  };
+  const bool may_shoot = a.solver == "southwell" || a.solver == "auto";
+  refuse("--save-every", !a.save.empty() || !a.resume.empty(),
+         "is for a file of --save or --resume, and none is named");
+  refuse("--shots", may_shoot, "is for --solver southwell, not " + a.solver);
+  refuse("--pick", may_shoot, "is for --solver southwell, not " + a.solver);
+  refuse("--pair-rays", !is_by_cubes(a), "is for form factors pair by pair, not --form-factors " + a.form_factors);
+  refuse("--patches", a.edge == 0.0, "does not go with --edge, which says how fine the mesh is");
+  refuse("--crease", a.display == "smooth", "is for --display smooth, not " + a.display);
+}
+
 KeepOptions to_keep_options(const RadiosityArguments& a, const std::vector<std::string>& others) {
   if (!a.save.empty() && !a.resume.empty()) {
     throw InputError("--save", "does not go with --resume, which keeps in its own file; leave one of the two out");
@@ -122,7 +141,7 @@ void add_radiosity_options(CLI::App& command, RadiosityArguments& a) {
                          "Error of the solution that is proven before it stops, relative to the largest radiosity"))
       ->capture_default_str();
   add(command.add_option("--iterations", a.iterations, "Iterations, at most"))->capture_default_str();
-  add(command.add_option("--time", a.seconds, "Seconds to solve for, at most"));
+  add(command.add_option("--time", a.seconds, "Seconds to solve for, at most; 0: as long as it takes"));
   add(command.add_option("--save", a.save,
                          "Keep what is computed in this file, to go on from with --resume: mesh, form factors, "
                          "solution"));
@@ -160,6 +179,7 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a, const std::ve
   positive("--tolerance", a.tolerance, false);
   positive("--time", a.seconds, true);
   positive("--factor-memory", a.factor_mib, true);
+  check_effective(a);
   if (a.patches == 0) throw InputError("--patches", "0 patches show nothing; give how many there may be");
   RadiosityOptions options;
   options.refine_patches = a.refine;
@@ -179,7 +199,7 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a, const std::ve
   options.solve.pick = a.pick == "power" ? ShotPick::power : ShotPick::residual;
   options.factor_bytes = static_cast<std::uint64_t>(std::llround(a.factor_mib * kMebibyte));
   options.residual_samples = a.residual_samples;
-  const bool by_cubes = a.form_factors == "hemicube" || a.form_factors == "raster";
+  const bool by_cubes = is_by_cubes(a);
   options.factors.method = by_cubes                       ? FormFactors::hemicube
                            : a.form_factors == "analytic" ? FormFactors::analytic
                                                           : FormFactors::hybrid;

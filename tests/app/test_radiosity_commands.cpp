@@ -178,6 +178,12 @@ TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and no
       {{"solve", kCornellBox, "-o", glb, "--form-factors", "rastered"}, "raster"},
       {{"solve", kCornellBox, "-o", glb, "--tolerance", "nan"}, "--tolerance"},
       {{"solve", kCornellBox, "-o", glb, "--patches", "0"}, "--patches"},
+      {{"solve", kCornellBox, "-o", glb, "--save-every", "5"}, "--save-every: is for a file of --save"},
+      {{"solve", kCornellBox, "-o", glb, "--solver", "jacobi", "--shots", "4"}, "--shots: is for --solver southwell"},
+      {{"solve", kCornellBox, "-o", glb, "--solver", "cg", "--pick", "power"}, "--pick: is for --solver southwell"},
+      {{"view-factors", kCornellBox, "-o", "a.csv", "--form-factors", "hemicube", "--pair-rays", "64"}, "--pair-rays"},
+      {{"solve", kCornellBox, "-o", glb, "--edge", "0.2", "--patches", "9"}, "--patches: does not go with --edge"},
+      {{"solve", kCornellBox, "-o", glb, "--display", "flat", "--crease", "9"}, "--crease: is for --display smooth"},
       {{"view-factors", kCornellBox, "-o", glb}, ".csv"},
   };
   for (const auto& [arguments, said] : cases) {

@@ -28,10 +28,12 @@ Words operator+(Words a, const Words& b) {
 
 // Enough iterations and batches of rows that there are moments of all kinds.
 Words solve_words(const std::string& glb, const std::string& solver = "jacobi") {
-  return {"solve",          kCornellBox, "-o",           glb,  "--patches", "900",
-          "--form-factors", "hemicube",  "--resolution", "64", "--solver",  solver,
-          "--tolerance",    "1e-7",      "--save-every", "0",  "--quiet"};
+  return {"solve",        kCornellBox, "-o",       glb,    "--patches",   "900",  "--form-factors", "hemicube",
+          "--resolution", "64",        "--solver", solver, "--tolerance", "1e-7", "--quiet"};
 }
+
+Words saved_in(const std::string& file) { return {"--save", file, "--save-every", "0"}; }
+Words resumed_from(const std::string& file) { return {"--resume", file, "--save-every", "0"}; }
 
 // Until the file was written for the nth time; every time it is another one. False: that did not happen in time.
 bool wait_for_write(const std::string& file, int times) {
@@ -69,7 +71,7 @@ TEST_CASE("solve that is killed at any moment goes on and ends with the same bit
     std::filesystem::remove(file);
     std::filesystem::remove(glb);
     {
-      RunningProgram program({solve_words(glb) + Words{"--save", file}, {}, false, 0, "/dev/null"});
+      RunningProgram program({solve_words(glb) + saved_in(file), {}, false, 0, "/dev/null"});
       REQUIRE(wait_for_write(file, writes));
       program.send(SIGKILL);
       const ProgramEnd end = program.wait();
@@ -78,12 +80,12 @@ TEST_CASE("solve that is killed at any moment goes on and ends with the same bit
     }
     // Again while it goes on: the file is never without a state.
     {
-      RunningProgram program({solve_words(glb) + Words{"--resume", file}, {}, false, 0, "/dev/null"});
+      RunningProgram program({solve_words(glb) + resumed_from(file), {}, false, 0, "/dev/null"});
       usleep(static_cast<useconds_t>(100'000 * writes));
       program.send(SIGKILL);
       kills += program.wait().by_signal ? 1 : 0;
     }
-    const ProgramResult rest = run_program(solve_words(glb) + Words{"--resume", file});
+    const ProgramResult rest = run_program(solve_words(glb) + resumed_from(file));
     INFO(rest.err);
     REQUIRE(rest.exit_code == 0);
     CHECK(read_whole_file(glb) == expected);
@@ -97,7 +99,7 @@ TEST_CASE("an interrupt keeps what was computed and says how to go on") {
   const std::string whole = (folder / "whole.glb").string(), glb = (folder / "a.glb").string(),
                     file = (folder / "a.solution").string();
   Words words = solve_words(glb, "southwell");
-  words.erase(std::find(words.begin(), words.end(), "--save-every"), words.end());  // the interrupt is the occasion
+  words.erase(std::find(words.begin(), words.end(), "--quiet"), words.end());
   Words whole_words = words;
   whole_words[3] = whole;
   REQUIRE(run_program(whole_words).exit_code == 0);
@@ -110,7 +112,7 @@ TEST_CASE("an interrupt keeps what was computed and says how to go on") {
   CHECK_FALSE(end.by_signal);
   REQUIRE(end.number == 130);
   CHECK_THAT(end.err, Catch::Contains("--resume " + file));
-  const ProgramResult rest = run_program(words + Words{"--resume", file});
+  const ProgramResult rest = run_program(words + resumed_from(file));
   INFO(rest.err);
   REQUIRE(rest.exit_code == 0);
   CHECK(read_whole_file(glb) == read_whole_file(whole));
@@ -132,7 +134,7 @@ TEST_CASE("render shows a finished solution from its file, from another camera, 
     REQUIRE(result.exit_code == 0);
     return nlohmann::json::parse(result.out)["radiosity"];
   };
-  REQUIRE(run_program(solve_words(glb) + Words{"--save", file}).exit_code == 0);
+  REQUIRE(run_program(solve_words(glb) + saved_in(file)).exit_code == 0);
   const auto shown = render("a.exr", {"--resume", file}), solved = render("b.exr", {});
   CHECK(shown["kept_rows"] == solved["rows"]);
   CHECK(shown["rays"] == 0);
@@ -146,7 +148,7 @@ TEST_CASE("a solution file that is damaged, foreign or misplaced is refused, and
   const std::string glb = (folder / "a.glb").string(), file = (folder / "a.solution").string(),
                     bad = (folder / "b.solution").string();
   Words words = solve_words(glb);
-  REQUIRE(run_program(words + Words{"--save", file}).exit_code == 0);
+  REQUIRE(run_program(words + saved_in(file)).exit_code == 0);
   std::filesystem::remove(glb);
   const std::string good = read_whole_file(file);
   const auto refused = [&](const Words& given, const std::string& said) {
@@ -182,14 +184,14 @@ TEST_CASE("a solution file that is damaged, foreign or misplaced is refused, and
   refused(words + Words{"--resume", bad}, "is no solution");
   std::filesystem::remove(bad);
   refused(words + Words{"--resume", bad}, "--save " + bad + " begins one");
-  refused(words + Words{"--save", file}, "is there already");
+  refused(words + saved_in(file), "is there already");
   refused(words + Words{"--save", bad, "--resume", file}, "leave one of the two out");
   refused(words + Words{"--save", glb}, "for something else");
   Words other = words;
   other[5] = "800";
-  refused(other + Words{"--resume", file}, "--patches (900 there, 800 now)");
+  refused(other + resumed_from(file), "--patches (900 there, 800 now)");
   Words scene = words;
   scene[1] = HR_SOURCE_DIR "/scenes/glass_and_mirror.json";
-  refused(scene + Words{"--resume", file}, "scene");
+  refused(scene + resumed_from(file), "scene");
   refused({"render", kCornellBox, "-o", (folder / "a.exr").string(), "--resume", file}, "--method radiosity");
 }

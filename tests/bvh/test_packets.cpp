@@ -255,6 +255,46 @@ TEST_CASE("no packet leaks out of a closed mesh through edges and vertices") {
   }
 }
 
+// A component of +0 or -0, and the origin in the plane of one of the box's faces: rays run in the plane of the end of
+// nodes' boxes, towards edges of that face.
+TEST_CASE("packets along the planes of a box find what single rays find, any hit as the closest one") {
+  const FlatScene mesh = test::closed_mesh(6, false, Vec3(0.0F));
+  float half = 0.0F;
+  for (const float p : mesh.positions) half = std::max(half, p);
+  Places places(64);
+  int axis = 0;
+  float side = half, zero = 0.0F;
+  const auto origin = [&] {
+    axis = static_cast<int>(places.below(3));
+    side = places.below(2) == 0 ? half : -half;
+    zero = places.below(2) == 0 ? 0.0F : -0.0F;
+    Vec3 from = glm::normalize(places.in_cube(1.0F)) * (4.0F * half);
+    from[axis] = side;
+    return from;
+  };
+  const Rays rays = packets_of(20032, origin, [&](Vec3 from) {
+    Vec3 direction = places.in_cube(1.5F * half) - from;
+    direction[axis] = zero;
+    return direction;
+  });
+  test::TreeWorkshop workshop;
+  for (const test::TreeKind& kind : test::tree_kinds()) {
+    if (kind.options.triangle_test != TriangleTest::watertight || kind.options.explicit_vectors == 0) continue;
+    test::QueryBench bench(workshop, mesh, kind.options, false);
+    RayQueries packets(workshop.context, bench.tree.scene, bench.tree.accel, false, RayGrouping::packets);
+    const Hits hits = packets.intersect(rays), single = bench.queries.intersect(rays);
+    INFO(kind.name);
+    CHECK(test::count_found(single) > rays.size() / 5);
+    CHECK(test::count_disagreeing(hits, packets.occluded(rays)) == 0);
+    std::size_t other = 0;  // u and v on an edge are zeros of either sign
+    for (std::size_t i = 0; i < rays.size(); i++) {
+      other += hits[i].primitive != single[i].primitive || hits[i].t != single[i].t || hits[i].u != single[i].u ||
+               hits[i].v != single[i].v;
+    }
+    CHECK(other == 0);
+  }
+}
+
 TEST_CASE("sorted rays find to the bit what they find in their own order") {
   const FlatScene flat = mixed_scene();
   test::TreeWorkshop workshop;

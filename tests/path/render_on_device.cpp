@@ -1,8 +1,6 @@
 // One render on a device opened for it.
 #include "tests/path/render_on_device.hpp"
 
-#include "host/path/render.hpp"
-
 namespace hemiray {
 
 DeviceProfile profile_with_tail(std::uint32_t tail_paths) {
@@ -11,8 +9,7 @@ DeviceProfile profile_with_tail(std::uint32_t tail_paths) {
   return profile;
 }
 
-Image render_on_device(const Scene& scene, const ReferenceOptions& options, EngineKind engine, bool strict,
-                       std::uint32_t tail_paths) {
+RenderOptions same_options(const ReferenceOptions& options, EngineKind engine, bool strict) {
   RenderOptions render;
   render.engine = engine;
   render.width = options.width;
@@ -21,8 +18,13 @@ Image render_on_device(const Scene& scene, const ReferenceOptions& options, Engi
   render.depth = options.depth;
   render.seed = options.seed;
   render.strict = strict;
+  return render;
+}
+
+Image render_on_device(const Scene& scene, const ReferenceOptions& options, EngineKind engine, bool strict,
+                       std::uint32_t tail_paths) {
   Context context(choose_device(""), profile_with_tail(tail_paths));
-  return render_scene(context, scene, render).image;
+  return render_scene(context, scene, same_options(options, engine, strict)).image;
 }
 
 }  // namespace hemiray

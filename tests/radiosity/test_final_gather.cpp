@@ -1,6 +1,7 @@
 // The final gather: exact where light is even, nearer to the truth where the mesh is coarse, with the scene's lights.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -139,6 +140,8 @@ TEST_CASE("a final gather gives the same bits and rays in both engines, mirrors 
   add(EngineKind::wavefront, 0);
   add(EngineKind::wavefront, 100);
   const RayCounts& rays = results[0].statistics.rays;
+  const std::vector<float>& reflected = results[0].image.find("reflection")->data;
+  CHECK(std::ranges::any_of(reflected, [](float value) { return value > 0.01F; }));  // the mirror is in the picture
   CHECK(rays.closest > 4ULL * 21 * 17 * 2);  // 5 a hit, but some pixels miss or see the lamp
   for (const RenderResult& other : results) {
     CHECK(compare_images(other.image, results[0].image, "this", "megakernel").identical);
