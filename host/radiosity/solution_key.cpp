@@ -45,6 +45,12 @@ std::string kernels_hash() {
   return sha256(all);
 }
 
+std::string name_of(FormFactors method, CubeView view) {
+  if (method == FormFactors::hemicube) return view == CubeView::raster ? "raster" : "hemicube";
+  const std::string name = method == FormFactors::analytic ? "analytic" : "hybrid";
+  return view == CubeView::raster ? name + ", raster" : name;
+}
+
 // By the names that the command line has for them. Of each structure all members are named, so that a new one does not
 // compile before it is thought of here: those left out do not change what is computed.
 nlohmann::ordered_json options_json(const RadiosityOptions& options, const DeviceInfo& device) {
@@ -59,14 +65,17 @@ nlohmann::ordered_json options_json(const RadiosityOptions& options, const Devic
   json["--patches"] = patches;
   json["--edge"] = edge_m;
   json["--chord"] = chord_m;
-  json["--form-factors"] = {static_cast<int>(method), static_cast<int>(view)};
+  json["--form-factors"] = name_of(method, view);
   json["--resolution"] = resolution;
   json["--points"] = divisions * divisions;
   json["--cells"] = jittered ? "jittered" : (turned ? "turned" : "aligned");
-  json["--seed"] = {seed, visibility_seed};
+  json["--seed"] = seed;
+  json["seed of rays between pairs"] = visibility_seed;
   json["--factor-precision"] = to_string(precision);
   json["rows a batch"] = batch_bytes;
-  json["--pair-rays"] = {few, many, accuracy};
+  json["--pair-rays"] = many;
+  json["rays to find partly hidden pairs"] = few;
+  json["accuracy of partly hidden pairs"] = accuracy;
   json["--factor-memory"] = options.factor_bytes > 0 ? options.factor_bytes : device.global_bytes;
   json["--solver"] = to_string(kind);
   json["--tolerance"] = tolerance;

@@ -190,6 +190,9 @@ TEST_CASE("a solution file that is damaged, foreign or misplaced is refused, and
   Words other = words;
   other[5] = "800";
   refused(other + resumed_from(file), "--patches (900 there, 800 now)");
+  Words hybrid = solve_words(glb);
+  hybrid[7] = "hybrid";
+  refused(hybrid + resumed_from(file), R"(--form-factors ("hemicube" there, "hybrid" now))");
   Words scene = words;
   scene[1] = HR_SOURCE_DIR "/scenes/glass_and_mirror.json";
   refused(scene + resumed_from(file), "scene");
