@@ -85,7 +85,9 @@ AccelMemory predict_tree(std::uint64_t primitives, bool has_blocks, const AccelO
       sizes.top_nodes > 0 ? (2 * sizes.top_nodes + 1) * std::uint64_t{sizeof(shared::TopNode)} : 0;
   AccelMemory memory;
   memory.tree = kept + nodes * node_bytes + leaves * block_bytes + regions;
-  memory.peak = std::max(kept + boxes + 2 * keys + binary + arenas, binary + top + keys + memory.tree);
+  const std::uint64_t partials = sizeof(shared::BoundsPartial) * std::uint64_t{profile.chunks};
+  memory.peak = std::max({sort_bytes(profile) + boxes + partials, kept + boxes + 2 * keys + binary + arenas,
+                          binary + top + keys + memory.tree});
   memory.scratch = boxes + 2 * keys + binary + arenas + top;
   return memory;
 }

@@ -7,6 +7,7 @@
 #include "host/scene/device_scene.hpp"
 #include "host/scene/features.hpp"
 #include "shared/path_state.def"
+#include "shared/stages.def"
 
 namespace hemiray {
 namespace {
@@ -48,10 +49,12 @@ std::uint64_t predict_render_bytes(const FlatScene& flat, std::uint32_t features
   const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   const std::uint64_t slots = std::min<std::uint64_t>(pixels, profile.wave_slots);
   const AccelMemory accel = predict_accel_bytes(flat, tree, profile);
-  const std::uint64_t tail = engine == EngineKind::wavefront ? std::min<std::uint64_t>(slots, profile.tail_paths) : 0;
+  const bool is_wavefront = engine == EngineKind::wavefront;
+  const std::uint64_t tail = is_wavefront ? std::min<std::uint64_t>(slots, profile.tail_paths) : 0;
+  const std::uint64_t counts = is_wavefront ? std::uint64_t{HR_STAGE_done} * profile.queue_chunks + 1 : 0;
   const std::uint64_t trace = accel.tree + pixels * pixel_bytes(features) +
                               slots * slot_bytes(features, engine, depth, double_precision) +
-                              tail * sizeof(shared::uint2);
+                              tail * sizeof(shared::uint2) + counts * sizeof(std::uint32_t);
   return predict_scene_bytes(flat, features) + std::max(accel.peak, trace);
 }
 

@@ -272,10 +272,10 @@ TEST_CASE("ten thousand copies take the memory of one tree, as predicted") {
   REQUIRE(flat.instances.size() == 10000);
   REQUIRE(flat.triangles.size() == 19200);
   Context context(choose_device(""));
-  Parallel parallel(context);
-  AccelBuilder builder(context, parallel);
   const DeviceScene device_scene(context, flat, HR_FEATURE_TRIANGLES | HR_FEATURE_INSTANCES);
   const std::uint64_t before = context.allocated_bytes();
+  Parallel parallel(context);
+  AccelBuilder builder(context, parallel);
   const Accel accel(builder, device_scene);
   const auto kept = static_cast<double>(context.allocated_bytes() - before);
   const auto peak = static_cast<double>(context.peak_bytes() - before);
