@@ -38,6 +38,7 @@ nlohmann::json to_json(const DeviceInfo& d, bool chosen) {
           {"max_allocation_bytes", d.max_allocation_bytes},
           {"fp64", d.has_fp64},
           {"correctly_rounded_divide", d.rounds_divide_correctly},
+          {"can_be_split", d.can_be_split},
           {"usable", d.usable},
           {"why_not", d.why_not},
           {"profile",

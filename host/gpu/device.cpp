@@ -45,6 +45,9 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device) {
   info.has_fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
   info.rounds_divide_correctly =
       (device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+  const std::vector<cl_device_partition_property> ways = device.getInfo<CL_DEVICE_PARTITION_PROPERTIES>();
+  info.can_be_split = std::count(ways.begin(), ways.end(), CL_DEVICE_PARTITION_EQUALLY) > 0 &&
+                      std::count(ways.begin(), ways.end(), CL_DEVICE_PARTITION_BY_COUNTS) > 0;
   const auto refuse = [&info](const std::string& why) {
     info.usable = false;
     if (info.why_not.empty()) info.why_not = why;

@@ -27,6 +27,7 @@ struct DeviceInfo {
   std::uint64_t max_work_group_size = 0;
   bool has_fp64 = false;
   bool rounds_divide_correctly = false;  ///< single precision divide and square root
+  bool can_be_split = false;             ///< into sub-devices; drivers of GPUs seldom offer it
   bool usable = true;
   std::string why_not;  ///< where not usable
   int part = 0;         ///< 1, 2, ...: this sub-device of device `index`; 0: the whole device

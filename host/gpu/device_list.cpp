@@ -89,6 +89,11 @@ std::vector<DeviceInfo> split_device(const DeviceInfo& device, int parts, const 
     throw InputError(place, fmt::format("device {} {} has {}: it cannot be split into {}", device.index, device.name,
                                         format_count(device.compute_units, "compute unit"), parts));
   }
+  if (!device.can_be_split) {
+    throw InputError(place, fmt::format("device {} {} cannot be split into {}: its driver offers no sub-devices (those "
+                                        "of CPUs do)",
+                                        device.index, device.name, parts));
+  }
   std::vector<cl_device_partition_property> properties{CL_DEVICE_PARTITION_EQUALLY, units / parts, 0};
   if (units % parts != 0) {
     properties = {CL_DEVICE_PARTITION_BY_COUNTS};

@@ -19,6 +19,7 @@ namespace {
 std::string compile_options(const DeviceInfo& device, const DeviceProfile& profile, const ProgramOptions& options) {
   std::string text = fmt::format("-cl-std=CL1.2 -cl-kernel-arg-info -DHR_FEATURES={:#x}u -DHR_LOCAL_SIZE={}",
                                  options.features, profile.local_size);
+  if (device.kind == DeviceKind::cpu) text += " -DHR_ON_CPU=1";
   if (!options.defines.empty()) text += " " + options.defines;
   if (options.double_precision) {
     if (!device.has_fp64) {
@@ -128,7 +129,8 @@ void Program::build_from_source(const std::string& options) {
   try {
     handle_.build({context_->device().handle}, options.c_str());
   } catch (const cl::Error& error) {
-    const std::string log = handle_.getBuildInfo<CL_PROGRAM_BUILD_LOG>(context_->device().handle);
+    const std::string log = name_sources(handle_.getBuildInfo<CL_PROGRAM_BUILD_LOG>(context_->device().handle),
+                                         source_prelude(context_->device()) + source_);
     throw DeviceError(fmt::format("compiling kernels '{}' for {} with '{}': {}; {}{}", name_, context_->device().name,
                                   options, describe_cl_error(error.err()), first_error(log), keep_log(name_, log)));
   }

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -52,6 +53,24 @@ class Flattener {
   std::string text_;
 };
 
+// "file:line" of each line of a flattened text, counted from 1; "" where no #line came before.
+std::vector<std::string> places_of_lines(const std::string& flattened) {
+  std::vector<std::string> places(1);
+  std::istringstream lines(flattened);
+  std::string line, file;
+  std::size_t number = 0;
+  while (std::getline(lines, line)) {
+    places.push_back(file.empty() ? "" : file + ":" + std::to_string(number++));
+    std::smatch directive;
+    static const std::regex pattern("#line ([0-9]+) \"(.*)\"");
+    if (line.rfind("#line ", 0) == 0 && std::regex_match(line, directive, pattern)) {
+      number = std::stoul(directive[1]);
+      file = directive[2];
+    }
+  }
+  return places;
+}
+
 }  // namespace
 
 std::string kernel_source(const std::string& path) {
@@ -72,6 +91,20 @@ std::string flatten_kernels(const std::vector<std::string>& paths) {
   Flattener flattener;
   for (const std::string& path : paths) flattener.add(path);
   return flattener.take();
+}
+
+std::string name_sources(const std::string& log, const std::string& flattened) {
+  const std::vector<std::string> places = places_of_lines(flattened);
+  static const std::regex unnamed("<kernel>:([0-9]{1,9})");
+  std::string named;
+  auto rest = log.cbegin();
+  for (std::sregex_iterator match(log.begin(), log.end(), unnamed), end; match != end; ++match) {
+    const auto line = static_cast<std::size_t>(std::stoul((*match)[1]));
+    named.append(rest, (*match)[0].first);
+    named += line < places.size() && !places[line].empty() ? places[line] : match->str();
+    rest = (*match)[0].second;
+  }
+  return named.append(rest, log.cend());
 }
 
 }  // namespace hemiray

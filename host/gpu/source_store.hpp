@@ -20,9 +20,13 @@ extern const std::size_t kEmbeddedKernelCount;
 /// Throws InputError if there is no such file.
 std::string kernel_source(const std::string& path);
 
-/// The files one after the other with every #include "..." expanded once (.def files each
-/// time) and #line directives, so that compile errors
-/// name the file at fault. This text is what is compiled, dumped and hashed: drivers never see an include path.
+/// The files one after the other with every #include "..." expanded once (.def files each time) and #line directives,
+/// so that compile errors name the file at fault. This text is what is compiled, dumped and hashed: drivers never see
+/// an include path.
 std::string flatten_kernels(const std::vector<std::string>& paths);
+
+/// A compiler's log about a flattened text, with "file:line" in place of "<kernel>:line": NVIDIA's counts the lines of
+/// the text it was given and does not look at #line.
+std::string name_sources(const std::string& log, const std::string& flattened);
 
 }  // namespace hemiray

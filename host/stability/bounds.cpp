@@ -36,7 +36,7 @@ const std::vector<Allowance>& allowances() {
       {"leaving, sharp edges", "3.7 degrees", "self_hit", 1e-3, kSharp},
       {"leaving, sharp edges", "3.7 degrees, instance", "tunnelled", 0.05, kSharp},
       {"leaving, sharp edges", "3.7 degrees, instance", "self_hit", 1e-3, kSharp},
-      {"nested dielectrics", "1e-6", "tunnelled", 5e-3, kGap},
+      {"nested dielectrics", "1e-6", "tunnelled", 0.02, kGap},  // 2e-4 on CPUs, 7e-3 where divisions are not rounded
   };
   return kTable;
 }

@@ -18,13 +18,15 @@ using Words = std::vector<std::string>;
 
 namespace {
 
-/// Two halves of the default device; empty where it has a single compute unit.
+/// Two halves of the default device; empty where it cannot be split.
 std::string two_devices() {
   const json devices = json::parse(run_program({"devices", "--json"}).out);
   for (const json& device : devices) {
-    if (device["default"] == true && device["compute_units"].get<int>() >= 2) return "split:2";
+    if (device["default"] == true && device["can_be_split"] == true && device["compute_units"].get<int>() >= 2) {
+      return "split:2";
+    }
   }
-  WARN("one compute unit only: not tested");
+  WARN("the device cannot be split: not tested");
   return "";
 }
 

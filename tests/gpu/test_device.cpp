@@ -163,6 +163,13 @@ TEST_CASE("a split device is as many parts that share its compute units") {
     WARN("one compute unit only: not tested");
     return;
   }
+  DeviceInfo undivided = whole;
+  undivided.can_be_split = false;
+  CHECK_THROWS_WITH(split_device(undivided, 2, "--device"), Catch::Contains("offers no sub-devices"));
+  if (!whole.can_be_split) {
+    WARN("the driver cannot split the device: not tested");
+    return;
+  }
   for (int parts = 2; parts <= std::min<int>(static_cast<int>(whole.compute_units), 5); parts++) {
     const std::vector<DeviceInfo> split = choose_devices("split:" + std::to_string(parts));
     CAPTURE(parts);

@@ -50,6 +50,15 @@ TEST_CASE("flattening expands every include once and says where each line comes 
         "#line 1 \"e.cl\"\n#line 2 \"e.cl\"\n#line 3 \"e.cl\"\nint e;\n");
 }
 
+TEST_CASE("a log that counts the lines of the flattened text is told in files and their lines") {
+  const test::KernelFolder folder("a.cl", "#include \"x/b.h\"\nint a;\n");
+  folder.write("x/b.h", "int b;\n");
+  const std::string text = "// before all files\n" + flatten_kernels({"a.cl"});
+  CHECK(name_sources("<kernel>:4:5: error: one\n<kernel>:6:1: two", text) == "x/b.h:1:5: error: one\na.cl:2:1: two");
+  CHECK(name_sources("a.cl:2:1: as it is", text) == "a.cl:2:1: as it is");
+  CHECK(name_sources("<kernel>:1:1 <kernel>:99:1 <kernel>:0:1", text) == "<kernel>:1:1 <kernel>:99:1 <kernel>:0:1");
+}
+
 TEST_CASE("files that include each other end") {
   const test::KernelFolder folder;
   folder.write("a.h", "#include \"b.h\"\nint a;\n");

@@ -19,6 +19,7 @@
 #include "host/gpu/device_list.hpp"
 #include "host/path/render.hpp"
 #include "host/scene/load.hpp"
+#include "tests/support/profile_file.hpp"
 
 namespace hemiray {
 namespace {
@@ -29,7 +30,7 @@ constexpr std::uint64_t kTiles = std::uint64_t{kWidth} * kHeight / kTilePixels *
 
 std::vector<DeviceInfo> two_devices() {
   const DeviceInfo whole = choose_device("");
-  if (whole.compute_units < 2) return {whole, whole};
+  if (whole.compute_units < 2 || !whole.can_be_split) return {whole, whole};
   return split_device(whole, 2, "--device");
 }
 
@@ -138,6 +139,7 @@ TEST_CASE("two devices give the bits of one: mirrors, glass and textures") {
 
 // One device traces whole passes, two trace tiles: other rays share a packet.
 TEST_CASE("two devices give the bits of one: rays in packets") {
+  const test::ProfileFile profile(test::ProfileFile::for_all(test::kVectorLayout));
   RenderOptions options = small_options(EngineKind::wavefront);
   options.rays = RayGrouping::packets;
   for (const char* name : {"cornell_box.json", "phong_source.json", "obj_scene.json"}) {

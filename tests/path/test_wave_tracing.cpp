@@ -16,6 +16,7 @@
 #include "tests/path/render_on_device.hpp"
 #include "tests/reference/image_agreement.hpp"
 #include "tests/reference/scene_builder.hpp"
+#include "tests/support/profile_file.hpp"
 
 namespace hemiray {
 namespace {
@@ -103,6 +104,7 @@ TEST_CASE("slots by tile are a permutation in which 64 neighbours lie in 8 x 8 p
 }
 
 TEST_CASE("packets give the picture of single rays") {
+  const test::ProfileFile profile(test::ProfileFile::for_all(test::kVectorLayout));
   const Scene scene = lit_scene();
   const RenderResult single = render(scene, RayGrouping::single);
   const RenderResult packets = render(scene, RayGrouping::packets);
@@ -120,6 +122,7 @@ TEST_CASE("packets give the picture of single rays") {
 }
 
 TEST_CASE("shadows of a light far away are not traced from it") {
+  const test::ProfileFile profile(test::ProfileFile::for_all(test::kVectorLayout));
   // Seen from 1e6 m, what is within 2 m of a surface would not be looked at.
   Scene scene = lit_scene();
   scene.lights.resize(1);
@@ -161,6 +164,7 @@ TEST_CASE("the last paths of a wave walk to their end in one go, with the same b
 }
 
 TEST_CASE("rays that go in packets or are sorted do so before the tail") {
+  const test::ProfileFile profile(test::ProfileFile::for_all(test::kVectorLayout));
   const Scene scene = lit_scene();  // two lights: a surface sends two rounds of shadow rays
   std::map<std::string, StageTime> packets =
       stages_of(render(scene, RayGrouping::packets, false, EngineKind::wavefront, 3, 96, kManyPaths));

@@ -221,7 +221,7 @@ TEST_CASE("closed rooms with obstacles: rows almost sum to one, and do once clos
       const double a = static_cast<double>(area_i) * static_cast<double>(f),
                    b = static_cast<double>(area_j) * value_at(rows[j], i);
       CHECK((f >= 0.0F && f <= 1.0F));
-      differ += std::abs(a - b) > 2e-7 * a;  // two divisions' rounding
+      differ += std::abs(a - b) > 6e-7 * a;  // two divisions: OpenCL allows each 2.5 units in the last place
     }
   }
   CHECK(differ == 0);

@@ -8,6 +8,9 @@
 namespace hemiray::test {
 
 /// A file with this text that HEMIRAY_PROFILE names while it lives.
+/// A tree that packets can walk, on devices that have no vectors of their own, too.
+inline const std::string kVectorLayout = R"("explicit_vectors": 1, "bvh_width": 8, "leaf_lanes": 8)";
+
 class ProfileFile {
  public:
   explicit ProfileFile(const std::string& text) : variable_("HEMIRAY_PROFILE", folder_.write("profile.json", text)) {}
