@@ -130,14 +130,16 @@ static inline bool implicit_wide(ImplicitSearch* search, ulong at, int sign, rea
 // by.
 #define HR_LAST_STEP REAL(0.000244140625)
 
-// A root that float has isolated in [t_lo, t_hi] to the precision of `real`: Newton's steps with value and slope in the
+// A root that float has isolated in [s_lo, s_hi] to the precision of `real`: Newton's steps with value and slope in the
 // wide arithmetic. Then the root tells, however far t is, on which side of the clip it lies. False if they do not
-// settle within the bracket.
-static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, float t_hi, HR_WIDE_NUM* root) {
+// settle within the bracket, which floats of t could not tell apart from its neighbours when seen from afar.
+static inline bool implicit_polish(const ImplicitSearch* search, float s_lo, float s_hi, HR_WIDE_NUM* root) {
 #pragma OPENCL FP_CONTRACT OFF
-  HR_WIDE_NUM at = HR_WIDE_OF(0.5f * (t_lo + t_hi));
-  const float size = fabs(t_lo) + fabs(t_hi);
+  const float s = 0.5f * (s_lo + s_hi), reach = (0.5f * (s_hi - s_lo) + 2 * HR_UNIT_F) * search->h;
+  const HR_WIDE_NUM from = HR_WIDE_LINEAR(HR_WIDE_OF(s), HR_WIDE_OF(search->h), HR_WIDE_OF(search->m));
+  const real size = 2 * max(fabs((real)HR_WIDE_HIGH(from)), (real)reach);
   const real enough = min(REAL(0.0625) * HR_HALF_ULP * size, HR_LAST_STEP * (search->clip.far - search->clip.near));
+  HR_WIDE_NUM at = from;
   for (int i = 0; i < 5; i++) {
     HR_WIDE(Poly) p;
     HR_WIDE(poly_along)
@@ -145,8 +147,7 @@ static inline bool implicit_polish(const ImplicitSearch* search, float t_lo, flo
     if (p.degree == 0) return false;
     const HR_WIDE_NUM move = HR_WIDE_QUOTIENT(p.c[0], p.c[1]);
     at = HR_WIDE_LINEAR(move, HR_WIDE_OF(-1), at);
-    const real here = HR_WIDE_REAL(at);
-    if (!(here >= t_lo - HR_UNIT_F * size && here <= t_hi + HR_UNIT_F * size)) return false;
+    if (!(fabs(HR_WIDE_HIGH(HR_WIDE_LINEAR(from, HR_WIDE_OF(-1), at))) <= reach)) return false;
     *root = at;
     if (fabs((real)HR_WIDE_HIGH(move)) <= enough) return true;
   }
@@ -191,9 +192,8 @@ static inline bool intersect_implicit(global const uint4* tapes, global const Sh
   int sign = find.sign_next;
   if (find.kind == HR_FIND_ROOT) {
     poly_refine_f(&p, bound, find.sign_lo, &find.lo, &find.hi);
-    const float t_lo = fma(search.h, find.lo, search.m), t_hi = fma(search.h, find.hi, search.m);
     HR_WIDE_NUM root;
-    if (implicit_polish(&search, t_lo, t_hi, &root)) {
+    if (implicit_polish(&search, find.lo, find.hi, &root)) {
       *t = HR_WIDE_REAL(root);
       if (*t > t_far) return false;
       if (*t > ray->t_min && implicit_in_clip(&search, root)) return true;

@@ -47,10 +47,11 @@ kernel void polynomials(global const uint4* tapes, global const Shape* surface, 
                         global float2* found) {
   const uint i = (uint)get_global_id(0);
   const real3 o = ray_of[2 * i].xyz, d = ray_of[2 * i + 1].xyz;
+  const float m = ray_of[2 * i].w;
   Poly_f p;
-  poly_along_f(tapes, surface, o, d, 3.0f, 2.0f, HR_MAX_DEGREE, &p);
+  poly_along_f(tapes, surface, o, d, m, 2.0f, HR_MAX_DEGREE, &p);
   HR_WIDE(Poly) w;
-  poly_along_wide(tapes, surface, o, d, HR_WIDE_OF(3), HR_WIDE_OF(2), HR_MAX_DEGREE, &w);
+  poly_along_wide(tapes, surface, o, d, HR_WIDE_OF(m), HR_WIDE_OF(2), HR_MAX_DEGREE, &w);
   for (uint k = 0; k < HR_COEFFICIENTS; k++) {
     found[36 * i + k] = (float2)(k <= p.degree ? p.c[k] : 0, 0);
     found[36 * i + 18 + k] = k <= w.degree ? as_two(w.c[k]) : (float2)(0);
@@ -368,30 +369,36 @@ TEST_CASE("implicit surfaces: the bound of the coefficients' error holds, and is
   for (const Form& form : forms()) {
     const Expression expression = parse_expression(form.text, form.constants);
     const shared::Shape surface = place(form, expression, DMat3(1.0), 0.7, DVec3(0.3, -0.2, 5.0));
+    // About t = t_min; half of them from so far away that d t and o, which cancel, must not count as rounded.
     std::vector<Shot> shots;
-    for (int i = 0; i < 200; i++) {
-      const DVec3 from = DVec3(0.3, -0.2, 5.0) + 3.0 * places.direction();
-      shots.push_back({Vec3(from), Vec3(-glm::normalize(from + 0.1 * places.in_cube(1.0)))});
+    for (int i = 0; i < 100; i++) {
+      const DVec3 near = DVec3(0.3, -0.2, 5.0) + 3.0 * places.direction();
+      shots.push_back({Vec3(near), Vec3(-glm::normalize(near + 0.1 * places.in_cube(1.0))), 3.0F});
+      const DVec3 way = places.direction();
+      shots.push_back({Vec3(DVec3(0.3, -0.2, 5.0) - 1e6 * way), Vec3(way), 1e6F});
     }
     for (const bool wide : {false, true}) {
       for (const std::string defines : {"", "#define HR_WITHOUT_DOUBLE\n"}) {
         // Two floats cannot bring back what double knows.
         if (defines.empty() && (wide || !choose_device("").has_fp64)) continue;
         const auto found = run<shared::float2>("polynomials", expression, surface, shots, defines, 36, nullptr);
-        double worst = 0.0;
+        double worst[2] = {};
         for (std::size_t i = 0; i < shots.size(); i++) {
-          const PrecisePolynomial exact = along(expression, surface, shots[i], 3.0, 2.0);
+          const PrecisePolynomial exact = along(expression, surface, shots[i], shots[i].t_min, 2.0);
           const std::size_t first = 36 * i + (wide ? 18 : 0);
           Precise off = 0;
           for (std::size_t k = 0; k <= HR_MAX_DEGREE; k++) {
             const Precise c = Precise(found[first + k].x) + Precise(found[first + k].y);
             off += abs(Precise(c - (k < exact.size() ? exact[k] : Precise(0))));
           }
-          worst = std::max(worst, static_cast<double>(off) / double{found[first + 17].x});
+          worst[i % 2] = std::max(worst[i % 2], static_cast<double>(off) / double{found[first + 17].x});
         }
-        INFO(form.name << (wide ? ", wide " : ", float ") << defines << ": largest error " << worst << " of its bound");
-        CHECK(worst <= 1.0);
-        if (!wide) CHECK(worst > 0.02);
+        INFO(form.name << (wide ? ", wide " : ", float ") << defines << ": largest errors " << worst[0] << " and, far, "
+                       << worst[1] << " of their bounds");
+        for (const double one : worst) {
+          CHECK(one <= 1.0);
+          if (!wide) CHECK(one > 0.02);
+        }
       }
     }
   }
