@@ -153,6 +153,12 @@ TEST_CASE("view-factors gives areas their factors in every format") {
   CHECK(std::abs(errors["geometry"][0][1].get<double>() - 2e-5 * 0.199824896) < 1e-7);
   CHECK(errors["sampling"][0][1] == 0.0);
   CHECK(errors["visibility"].size() == 3);
+  CHECK(errors.size() == 3);
+  const auto row_errors = json["row_errors"];  // of other things: not under the same names
+  CHECK(row_errors["geometry"].get<double>() > 0.0);
+  CHECK(row_errors["sampling"] == 0.0);
+  CHECK(row_errors["closure"].get<double>() < 1e-3);
+  CHECK(row_errors.size() == 4);
   CHECK(std::filesystem::file_size(vs3) > 1000);
   const ProgramResult table = run_program({"view-factors", cube, "-o", vf, "--patches", "12"});
   CHECK(table.exit_code == 0);
@@ -161,6 +167,7 @@ TEST_CASE("view-factors gives areas their factors in every format") {
       run_program({"view-factors", cube, "-o", csv, "--patches", "12", "--form-factors", "hemicube", "--json"});
   REQUIRE(cubes.exit_code == 0);
   CHECK(!nlohmann::json::parse(cubes.out).contains("factor_errors"));  // unknown is not zero
+  CHECK(!nlohmann::json::parse(cubes.out).contains("row_errors"));
 }
 
 TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and nothing is written") {
