@@ -44,13 +44,16 @@ std::string unknown_argument(const CLI::App& app) {
   const auto is_option = [](const std::string& word) { return word.starts_with('-'); };
   const auto option = std::find_if(words.begin(), words.end(), is_option);
   if (option == words.end()) return hemiray::in_quotes(words.front()) + " is one argument too many";
-  std::vector<std::string> names;
+  std::vector<std::string_view> names;
   for (const CLI::Option* known : command.get_options()) {
-    for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
+    names.insert(names.end(), known->get_lnames().begin(), known->get_lnames().end());
   }
   const std::string given = option->substr(0, option->find('='));
-  return hemiray::in_quotes(given) + " is not an option of '" + command.get_name() + "'" +
-         hemiray::spelling_hint(given, std::vector<std::string_view>(names.begin(), names.end()));
+  const std::string_view near = hemiray::nearest_spelling(
+      std::string_view(given).substr(std::min(given.find_first_not_of('-'), given.size())), names);
+  return hemiray::in_quotes(given) + " is not an option of '" + command.get_name() + "'; " +
+         (near.empty() ? "see 'hemiray " + command.get_name() + " --help'"
+                       : "did you mean --" + std::string(near) + "?");
 }
 
 // CLI11 only says that a command is missing where an unknown one is given.

@@ -193,9 +193,9 @@ TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and no
       {{"solve", kCornellBox, "-o", glb, "--display", "flat", "--crease", "9"}, "--crease: is for --display smooth"},
       {{"view-factors", kCornellBox, "-o", glb}, ".csv"},
       {{"view-factors", "--refine", "300", kCornellBox, "-o", "a.csv"},
-       "hemiray: \"--refine\" is not an option of 'view-factors'"},
+       "hemiray: \"--refine\" is not an option of 'view-factors'; see 'hemiray view-factors --help'"},
       {{"view-factors", kCornellBox, "-o", "a.csv", "--resolutoin=16"},
-       "\"--resolutoin\" is not an option of 'view-factors'; did you mean \"--resolution\"?"},
+       "\"--resolutoin\" is not an option of 'view-factors'; did you mean --resolution?"},
       {{"solve", kCornellBox, "-o", glb, "two.json"}, "\"two.json\" is one argument too many"},
   };
   for (const auto& [arguments, said] : cases) {
