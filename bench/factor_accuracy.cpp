@@ -321,7 +321,7 @@ int run(std::uint32_t patches, std::uint32_t row_count, const VisibilityOptions&
              1e-3 * report.enforce_ms);
   fmt::print("processor time {:.2f} s: what a machine without other work takes, times its cores\n", cpu);
   fmt::print("stated: geometry {:.1e}, sampling {:.1e}, closure {:.1e} before and {:.1e} after {} sweeps\n",
-             report.errors.geometry, report.errors.sampling, report.enforcement->mean_before,
+             report.row_errors.geometry, report.row_errors.sampling, report.enforcement->mean_before,
              report.enforcement->mean_after, report.enforcement->sweeps);
   print_kernels(context);
   Hemicubes hemicubes(context, parallel, builder, mesh, options.hemicube);

@@ -30,8 +30,8 @@ std::string factor_table(const RadiosityStatistics& s) {
       1e-3 * r.cubes_ms, 1e-3 * r.visibility_ms, 1e-3 * r.sample_ms, 1e-3 * r.pairs_ms, 1e-3 * r.enforce_ms);
   text += fmt::format(
       "  error       a row: geometry below {:.1e}, sampling {:.1e} of {:.3f} partly hidden, "
-      "visibility (closure) {:.1e}\n",
-      r.errors.geometry, r.errors.sampling, r.errors.partial, r.errors.visibility);
+      "closure {:.1e}\n",
+      r.row_errors.geometry, r.row_errors.sampling, r.row_errors.partial, r.row_errors.closure);
   if (r.violations) {
     const Violations& v = *r.violations;
     text += fmt::format(
@@ -49,6 +49,10 @@ std::string factor_table(const RadiosityStatistics& s) {
   return text + "\n";
 }
 
+nlohmann::ordered_json row_errors_json(const FactorErrors& e) {
+  return {{"geometry", e.geometry}, {"sampling", e.sampling}, {"closure", e.closure}, {"partly_hidden", e.partial}};
+}
+
 nlohmann::ordered_json factor_json(const FactorReport& r) {
   nlohmann::ordered_json json;
   json["cube_rays"] = r.cube_rays;
@@ -63,10 +67,7 @@ nlohmann::ordered_json factor_json(const FactorReport& r) {
   json["sample_ms"] = r.sample_ms;
   json["pairs_ms"] = r.pairs_ms;
   json["enforce_ms"] = r.enforce_ms;
-  json["error"] = {{"geometry", r.errors.geometry},
-                   {"sampling", r.errors.sampling},
-                   {"visibility", r.errors.visibility},
-                   {"partly_hidden", r.errors.partial}};
+  json["row_errors"] = row_errors_json(r.row_errors);
   if (r.violations) {
     const Violations& v = *r.violations;
     json["hemicube_violations"] = {{"entries", v.entries},

@@ -37,10 +37,30 @@ int fail(hemiray::ExitCode code, std::string message) {
   return static_cast<int>(code);
 }
 
+// CLI11 lists all arguments that nobody took, the last one first: an option's value before the option.
+std::string unknown_argument(const CLI::App& app) {
+  const CLI::App& command = app.get_subcommands().empty() ? app : *app.get_subcommands().front();
+  const std::vector<std::string> words = app.remaining(true);
+  const auto is_option = [](const std::string& word) { return word.starts_with('-'); };
+  const auto option = std::find_if(words.begin(), words.end(), is_option);
+  if (option == words.end()) return hemiray::in_quotes(words.front()) + " is one argument too many";
+  std::vector<std::string_view> names;
+  for (const CLI::Option* known : command.get_options()) {
+    names.insert(names.end(), known->get_lnames().begin(), known->get_lnames().end());
+  }
+  const std::string given = option->substr(0, option->find('='));
+  const std::string_view near = hemiray::nearest_spelling(
+      std::string_view(given).substr(std::min(given.find_first_not_of('-'), given.size())), names);
+  return hemiray::in_quotes(given) + " is not an option of '" + command.get_name() + "'; " +
+         (near.empty() ? "see 'hemiray " + command.get_name() + " --help'"
+                       : "did you mean --" + std::string(near) + "?");
+}
+
 // CLI11 only says that a command is missing where an unknown one is given.
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const std::string_view word = argc > 1 ? argv[1] : "";
   const bool names_command = !word.empty() && word.front() != '-' && app.get_subcommands().empty();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) return unknown_argument(app);
   if (!names_command) return std::string(error.what()) + "; see 'hemiray --help'";
   std::vector<std::string_view> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());

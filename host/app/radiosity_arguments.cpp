@@ -311,6 +311,7 @@ std::string radiosity_json(const Radiosity& r, const std::vector<std::string>& n
   json["tree_ms"] = s.tree_ms;
   json["factors_ms"] = s.factors_ms;
   json["solve_ms"] = s.solve_ms;
+  json["solve_compile_ms"] = s.solve_compile_ms;
   json["peak_bytes"] = s.peak_bytes;
   json["emitted_w"] = s.emitted_w;
   json["absorbed_w"] = s.absorbed_w;

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/app/commands.hpp"
+#include "host/app/factor_report.hpp"
 #include "host/app/radiosity_arguments.hpp"
 #include "host/base/atomic_file.hpp"
 #include "host/base/clock.hpp"
@@ -31,8 +32,10 @@ constexpr const char* kExamples = R"(Examples:
 Areas are the file's objects ('g' and 'o' of OBJ), by name. Fronts (counter-clockwise) send and take light, backs only
 stop it. Each factor comes with its error, split: geometry (a bound of the quadrature's error; what flat patches of round
 bodies cost is not in it), sampling (a standard error of the rays of partly hidden pairs) and visibility (what pairs
-taken for seen or hidden wrongly may cost); --form-factors hemicube and raster know none. Interrupt
-(Ctrl-C) writes nothing: every factor between areas is a sum over all rows.)";
+taken for seen or hidden wrongly may cost); --form-factors hemicube and raster know none. In --json these are
+factor_errors, n x n each; row_errors are means over the patches' rows: geometry, sampling, closure (how far rows of
+closed scenes were from 1) and the share that may be partly_hidden. Interrupt (Ctrl-C) writes nothing: every factor between
+areas is a sum over all rows.)";
 
 struct FactorArguments {
   std::string scene, output, view3d_input, device;
@@ -89,11 +92,7 @@ std::string as_json(const ViewFactors& f, const PatchMesh& mesh, const FactorRep
   nlohmann::ordered_json json;
   json["patches"] = mesh.patch_count();
   json["rays"] = report.cube_rays + report.pair_rays + report.sample_rays;
-  if (report.enforcement) {
-    json["errors"] = {{"geometry", report.errors.geometry},
-                      {"sampling", report.errors.sampling},
-                      {"visibility", report.errors.visibility}};
-  }
+  if (report.enforcement) json["row_errors"] = row_errors_json(report.row_errors);
   json["seconds"] = seconds;
   json["names"] = f.names;
   json["areas_m2"] = f.areas_m2;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <string>
 
 #include "host/gpu/device.hpp"
@@ -10,6 +12,8 @@
 #include "host/gpu/profiler.hpp"
 
 namespace hemiray {
+
+struct BuiltProgram;
 
 /// Everything that runs on the device takes a Context&; there is no global one. Not copyable, not thread-safe.
 class Context {
@@ -32,6 +36,12 @@ class Context {
 
   /// Waits for all commands and reads their times. A failure of a command shows here as DeviceError.
   void finish();
+
+  /// Of what Program has built in this context, the entry of a key; empty at first.
+  [[nodiscard]] std::shared_ptr<BuiltProgram>& built_program(const std::string& key) { return programs_[key]; }
+  /// What building programs and their kernels' first launches took so far.
+  [[nodiscard]] double compile_ms() const { return build_ms_ + launch_compile_ms_; }
+  void account_build(double milliseconds) { build_ms_ += milliseconds; }
 
   /// Account of first launches, kept by launch(): some drivers compile a kernel only then.
   void account_first_launch(double milliseconds);
@@ -61,6 +71,8 @@ class Context {
   std::uint64_t allocated_bytes_ = 0;
   std::uint64_t peak_bytes_ = 0;
   IdleHostMemory idle_;
+  std::map<std::string, std::shared_ptr<BuiltProgram>> programs_;
+  double build_ms_ = 0.0;
   double launch_compile_ms_ = 0.0;
   std::size_t kernels_compiled_ = 0;
 };

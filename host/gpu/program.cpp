@@ -99,8 +99,13 @@ Program::Program(Context& context, std::string name, const std::vector<std::stri
   const std::string text = compile_options(context.device(), context.profile(), options);
   key_ = program_key(source_prelude(context.device()) + source_, text, context.device());
   dump_source(name_, source_);
-  if (!build_from_cache(text)) build_from_source(text);
+  std::shared_ptr<BuiltProgram>& known = context.built_program(key_);
+  from_cache_ = known != nullptr;
+  built_ = from_cache_ ? known : std::make_shared<BuiltProgram>();
+  if (!from_cache_ && !build_from_cache(text)) build_from_source(text);
+  known = built_;
   build_ms_ = steady_ms() - start;
+  context.account_build(build_ms_);
   context.profiler().record_host(fmt::format("compile {}{}", name_, from_cache_ ? " (cached)" : ""), "compile",
                                  start_us, context.profiler().now_us() - start_us);
 }
@@ -109,14 +114,14 @@ bool Program::build_from_cache(const std::string& options) {
   const std::optional<CompiledProgram> cached = load_program(program_cache_folder(), key_);
   if (!cached) return false;
   try {
-    handle_ = cl::Program(context_->handle(), {context_->device().handle}, {cached->binary});
-    handle_.build({context_->device().handle}, options.c_str());
+    built_->handle = cl::Program(context_->handle(), {context_->device().handle}, {cached->binary});
+    built_->handle.build({context_->device().handle}, options.c_str());
     add_kernels(&cached->argument_names);
   } catch (const cl::Error&) {
-    kernels_.clear();  // an entry the driver does not take: compile instead
+    built_->kernels.clear();  // an entry the driver does not take: compile instead
     return false;
   } catch (const std::out_of_range&) {
-    kernels_.clear();  // an entry that lacks a kernel
+    built_->kernels.clear();  // an entry that lacks a kernel
     return false;
   }
   from_cache_ = true;
@@ -125,11 +130,11 @@ bool Program::build_from_cache(const std::string& options) {
 
 void Program::build_from_source(const std::string& options) {
   cl_guard("compiling kernels '" + name_ + "'",
-           [&] { handle_ = cl::Program(context_->handle(), source_prelude(context_->device()) + source_); });
+           [&] { built_->handle = cl::Program(context_->handle(), source_prelude(context_->device()) + source_); });
   try {
-    handle_.build({context_->device().handle}, options.c_str());
+    built_->handle.build({context_->device().handle}, options.c_str());
   } catch (const cl::Error& error) {
-    const std::string log = name_sources(handle_.getBuildInfo<CL_PROGRAM_BUILD_LOG>(context_->device().handle),
+    const std::string log = name_sources(built_->handle.getBuildInfo<CL_PROGRAM_BUILD_LOG>(context_->device().handle),
                                          source_prelude(context_->device()) + source_);
     throw DeviceError(fmt::format("compiling kernels '{}' for {} with '{}': {}; {}{}", name_, context_->device().name,
                                   options, describe_cl_error(error.err()), first_error(log), keep_log(name_, log)));
@@ -140,33 +145,35 @@ void Program::build_from_source(const std::string& options) {
 
 void Program::add_kernels(const std::map<std::string, std::vector<std::string>>* known_names) {
   std::vector<cl::Kernel> handles;
-  handle_.createKernels(&handles);
+  built_->handle.createKernels(&handles);
   for (const cl::Kernel& handle : handles) {
     Kernel kernel;
     kernel.handle = handle;
     kernel.name = trimmed_name(handle.getInfo<CL_KERNEL_FUNCTION_NAME>());
     kernel.argument_names = known_names != nullptr ? known_names->at(kernel.name) : query_argument_names(handle);
     kernel.local_size = handle.getWorkGroupInfo<CL_KERNEL_COMPILE_WORK_GROUP_SIZE>(context_->device().handle)[0];
-    kernels_.emplace(kernel.name, std::move(kernel));
+    built_->kernels.emplace(kernel.name, std::move(kernel));
   }
 }
 
 Kernel& Program::kernel(const std::string& name) {
-  const auto found = kernels_.find(name);
-  if (found == kernels_.end()) throw std::logic_error(fmt::format("program '{}' has no kernel '{}'", name_, name));
+  const auto found = built_->kernels.find(name);
+  if (found == built_->kernels.end()) {
+    throw std::logic_error(fmt::format("program '{}' has no kernel '{}'", name_, name));
+  }
   return found->second;
 }
 
 void Program::save_to_cache() const {
   CompiledProgram compiled;
   try {
-    const auto binaries = handle_.getInfo<CL_PROGRAM_BINARIES>();
+    const auto binaries = built_->handle.getInfo<CL_PROGRAM_BINARIES>();
     if (binaries.empty() || binaries.front().empty()) return;
     compiled.binary = binaries.front();
   } catch (const cl::Error&) {
     return;  // a driver without binaries: every run compiles
   }
-  for (const auto& [name, kernel] : kernels_) compiled.argument_names[name] = kernel.argument_names;
+  for (const auto& [name, kernel] : built_->kernels) compiled.argument_names[name] = kernel.argument_names;
   store_program(program_cache_folder(), key_, compiled);
 }
 

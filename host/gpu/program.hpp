@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -53,7 +54,14 @@ struct ProgramOptions {
   bool double_precision = false;  ///< `real` is double; for kernels without explicit vectors
 };
 
-/// Kernels from one or more files of kernels/, compiled for the context's device, or taken from the cache.
+/// What compiling gives, for all programs of a context that have the same text and options.
+struct BuiltProgram {
+  cl::Program handle;
+  std::map<std::string, Kernel> kernels;
+};
+
+/// Kernels from one or more files of kernels/, compiled for the context's device, or taken from the cache: the
+/// context's own of what it has compiled before, and the one on disk.
 class Program {
  public:
   /// Throws DeviceError with the build log's first error, and where the whole log is, if the kernels do not compile.
@@ -65,7 +73,7 @@ class Program {
   [[nodiscard]] bool from_cache() const { return from_cache_; }
   [[nodiscard]] double build_ms() const { return build_ms_; }
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] std::size_t kernel_count() const { return kernels_.size(); }
+  [[nodiscard]] std::size_t kernel_count() const { return built_->kernels.size(); }
 
  private:
   bool build_from_cache(const std::string& options);
@@ -77,8 +85,7 @@ class Program {
   std::string name_;
   std::string source_;
   std::string key_;
-  cl::Program handle_;
-  std::map<std::string, Kernel> kernels_;
+  std::shared_ptr<BuiltProgram> built_;
   bool from_cache_ = false;
   double build_ms_ = 0.0;
 };

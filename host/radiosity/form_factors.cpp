@@ -124,14 +124,14 @@ class Maker {
   }
 
   void sum_errors(const PairFactors& factors, const PairSides& sides) {
-    FactorErrors& errors = report_.errors;
+    FactorErrors& errors = report_.row_errors;
     for (std::uint32_t i = 0; i < sides.count; i++) {
       const double area = static_cast<double>(mesh_.normals[sides.ids[i] / 2].w) * sides.count;
       errors.geometry += factors.sums[i].geometry / area;
       errors.sampling += factors.sums[i].sampling / area;
       errors.partial += factors.sums[i].visibility / area;
     }
-    errors.visibility = report_.enforcement->mean_before;
+    errors.closure = report_.enforcement->mean_before;
   }
 
   Context& context_;

@@ -31,10 +31,10 @@ inline constexpr std::uint32_t kReachResolution = 16;
 
 /// Means over the rows, of their sums: what may be wrong with F.
 struct FactorErrors {
-  double geometry = 0.0;    ///< bound of the quadrature's error
-  double sampling = 0.0;    ///< standard errors of rays of partly hidden pairs, as if all one way
-  double visibility = 0.0;  ///< |1 - sum F| of closed rows: also what a ray a pair takes for seen or hidden wrongly
-  double partial = 0.0;     ///< share of partly hidden pairs
+  double geometry = 0.0;  ///< bound of the quadrature's error
+  double sampling = 0.0;  ///< standard errors of rays of partly hidden pairs, as if all one way
+  double closure = 0.0;   ///< |1 - sum F| of closed rows: also what a ray a pair takes for seen or hidden wrongly
+  double partial = 0.0;   ///< share of partly hidden pairs
 };
 
 struct FactorReport {
@@ -42,8 +42,8 @@ struct FactorReport {
   std::uint64_t pairs = 0;  ///< that exchange light, each counted once
   std::uint64_t near_pairs = 0, partial_pairs = 0;
   double cubes_ms = 0.0, visibility_ms = 0.0, sample_ms = 0.0, pairs_ms = 0.0, enforce_ms = 0.0;
-  FactorErrors errors;                      ///< of analytic and hybrid
-  std::vector<ErrorSplit> exchange_errors;  ///< the same, of areas, where these are given (AreaErrors)
+  FactorErrors row_errors;                  ///< of analytic and hybrid
+  std::vector<ErrorSplit> exchange_errors;  ///< of the same, between areas, where these are given (AreaErrors)
   std::optional<Violations> violations;     ///< of the hemicubes, in hybrid
   std::optional<Enforcement> enforcement;   ///< of analytic (measured only) and hybrid
   bool interrupted = false;

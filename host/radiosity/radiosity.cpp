@@ -190,6 +190,7 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
                  state);
     };
   }
+  const double compile_start = context.compile_ms();
   if (on_demand) {
     const std::uint64_t rows = hemicubes.rows_made(), entries = hemicubes.entries_made();
     result.solution = solve_on_demand(context, hemicubes, mesh, solve);
@@ -200,6 +201,7 @@ Radiosity compute_radiosity(Context& context, const FlatScene& flat, const Radio
   }
   statistics.rays = hemicubes.rays_traced() + statistics.factors.pair_rays + statistics.factors.sample_rays;
   statistics.solve_ms = lap();
+  statistics.solve_compile_ms = context.compile_ms() - compile_start;
   result.irradiance = light.with_direct(result.solution.irradiance);
   if (options.residual_samples > 0) {
     result.continuous = find_continuous_residual(context, hemicubes, mesh, result.solution.radiosity,

@@ -54,10 +54,11 @@ struct RefineReport {
 
 struct RadiosityStatistics {
   double mesh_ms = 0.0, tree_ms = 0.0, factors_ms = 0.0, solve_ms = 0.0;
-  std::uint64_t rays = 0;       ///< through cells of hemicubes and between pairs
-  std::uint64_t rows = 0;       ///< sides that light comes to, or rows computed on demand
-  std::uint64_t kept_rows = 0;  ///< of them, those that a file had
-  std::uint64_t entries = 0;    ///< factors that are not zero, in them
+  double solve_compile_ms = 0.0;  ///< of solve_ms, for kernels: compiling, or loading what was compiled before
+  std::uint64_t rays = 0;         ///< through cells of hemicubes and between pairs
+  std::uint64_t rows = 0;         ///< sides that light comes to, or rows computed on demand
+  std::uint64_t kept_rows = 0;    ///< of them, those that a file had
+  std::uint64_t entries = 0;      ///< factors that are not zero, in them
   std::uint64_t factor_bytes = 0, peak_bytes = 0;
   std::uint64_t factor_limit = 0;           ///< for factors, bytes
   std::uint64_t factor_bytes_at_most = 0;   ///< bound before any row was known

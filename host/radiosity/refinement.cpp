@@ -73,7 +73,9 @@ void refine_solution(Context& context, Parallel& parallel, AccelBuilder& builder
     round.rows = matrix.rows();
     round.rays = made.rays;
     round.factors_ms = lap();
+    const double compile_start = context.compile_ms();
     result.solution = solve_radiosity(context, refined.mesh, matrix, solve);
+    statistics.solve_compile_ms += context.compile_ms() - compile_start;
     light = std::move(parts_light);
     result.irradiance = light.with_direct(result.solution.irradiance);
     round.solve_ms = lap();

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
-#include "host/gpu/program.hpp"
+#include "host/radiosity/solve_method.hpp"
 
 namespace hemiray {
 namespace {
@@ -58,10 +58,7 @@ void check_solver_input(const PatchMesh& mesh, const SolveOptions& options) {
 }
 
 void check_rows(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix) {
-  ProgramOptions options;
-  options.double_precision = context.device().has_fp64;
-  options.defines = factor_defines(matrix.precision());
-  Program program(context, "radiosity", {"radiosity/solve.cl"}, options);
+  Program program = solver_program(context, matrix.precision(), context.device().has_fp64);
   Buffer<float> own(context, "own factors", mesh.side_count()), sums(context, "row sums", mesh.side_count()),
       least(context, "least factors", mesh.side_count());
   sums.clear();
@@ -90,9 +87,7 @@ void check_rows(Context& context, const PatchMesh& mesh, const FactorMatrix& mat
 }
 
 double find_asymmetry(Context& context, const PatchMesh& mesh, const FactorMatrix& matrix, double enough) {
-  ProgramOptions options;
-  options.defines = factor_defines(matrix.precision());
-  Program program(context, "radiosity symmetry", {"radiosity/symmetry.cl"}, options);
+  Program program = solver_program(context, matrix.precision(), context.device().has_fp64);
   const Buffer<shared::float4> normals(context, "patch normals", std::span(mesh.normals));
   Buffer<shared::float2> largest(context, "largest exchange factors", context.profile().chunks);
   largest.clear();

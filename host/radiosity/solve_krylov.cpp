@@ -21,8 +21,6 @@ class Krylov : public SolveMethod {
       : system_(context, mesh, matrix),
         restart_(options.restart),
         context_(context),
-        program_(context, "radiosity krylov", {"radiosity/krylov.cl"},
-                 solver_program_options<Real>(matrix.precision())),
         weights_(context, "weights", mesh.side_count()),
         partials_(context, "partial sums", context.profile().chunks) {}
 
@@ -40,7 +38,7 @@ class Krylov : public SolveMethod {
   // y = T x.
   void apply(const Vector& x, const Vector& y) {
     system_.gather(x);
-    launch(context_, program_.kernel("radiosity_apply"), system_.count(),
+    launch(context_, system_.kernel("radiosity_apply"), system_.count(),
            arguments(arg("reflectance", system_.materials.reflectance),
                      arg("transmittance", system_.materials.transmittance), arg("incident", system_.incident),
                      arg("x", x), arg("count", system_.count()), arg("y", y)));
@@ -48,7 +46,7 @@ class Krylov : public SolveMethod {
 
   // Sums over the sides, in one order.
   Scalars dot(const Vector& x, const Vector& y) {
-    launch(context_, program_.kernel("radiosity_dot"), partials_.size(),
+    launch(context_, system_.kernel("radiosity_dot"), partials_.size(),
            arguments(arg("x", x), arg("y", y), arg("weights", weights_), arg("count", system_.count()),
                      arg("partials", partials_)));
     Scalars sum{};
@@ -61,7 +59,7 @@ class Krylov : public SolveMethod {
   // y = a x + b y.
   void combine(const Scalars& a, const Vector& x, const Scalars& b, const Vector& y) {
     launch(
-        context_, program_.kernel("radiosity_combine"), system_.count(),
+        context_, system_.kernel("radiosity_combine"), system_.count(),
         arguments(arg("a", device(a)), arg("x", x), arg("b", device(b)), arg("y", y), arg("count", system_.count())));
   }
 
@@ -74,7 +72,6 @@ class Krylov : public SolveMethod {
   }
 
   Context& context_;
-  Program program_;
   Vector weights_;
   Vector partials_;
 };
@@ -116,6 +113,7 @@ class ConjugateGradients final : public Krylov<Real> {
       Base::combine(kOne, residual_, Scalars{}, direction_);
       square_ = Base::dot(residual_, residual_);
     }
+    system_.residual_is_fresh = false;
     Base::apply(direction_, applied_);
     const Scalars curvature = Base::dot(direction_, applied_);
     Scalars alpha{}, beta{};
@@ -246,6 +244,7 @@ class Gmres final : public Krylov<Real> {
   void form() {
     if (is_formed_) return;
     is_formed_ = true;
+    system_.residual_is_fresh = false;
     std::vector<Scalars> y(size_);
     for (std::size_t c = 0; c < 4; c++) {
       for (std::size_t k = size_; k-- > 0;) {

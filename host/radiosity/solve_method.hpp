@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/base/archive.hpp"
+#include "host/gpu/program.hpp"
 #include "host/radiosity/solver.hpp"
 
 namespace hemiray {
@@ -48,6 +49,22 @@ std::unique_ptr<SolveMethod> make_krylov(Context& context, const PatchMesh& mesh
 /// With rows from `matrix`, or, if there is none, from `rows`.
 std::unique_ptr<SolveMethod> make_shooting(Context& context, const PatchMesh& mesh, const FactorMatrix* matrix,
                                            const RowsOnDemand& rows, const SolveOptions& options);
+
+inline ProgramOptions solver_program_options(FactorPrecision factors, bool in_double) {
+  ProgramOptions options;
+  options.double_precision = in_double;
+  options.defines = factor_defines(factors);
+  return options;
+}
+
+/// The kernels of the checks and of all solvers but southwell: one program, since each takes tens of milliseconds to
+/// load even where it was compiled before.
+inline Program solver_program(Context& context, FactorPrecision factors, bool in_double) {
+  return {context,
+          "radiosity",
+          {"radiosity/solve.cl", "radiosity/krylov.cl", "radiosity/symmetry.cl"},
+          solver_program_options(factors, in_double)};
+}
 
 /// Whether the solver computes in double.
 inline bool solves_in_double(const Context& context, const SolveOptions& options) {

@@ -27,27 +27,27 @@ class Relaxation final : public SolveMethod {
   void exchange(Archive& archive) override {
     hemiray::exchange(archive, system_.radiosity);
     hemiray::exchange(archive, system_.incident);
-    is_fresh_ = is_fresh_ && !archive.reads();
   }
 
   void step() override {
-    if (!jacobi_) {
+    if (jacobi_) {
+      jacobi();
+    } else {
       gauss_seidel();
-      return;
     }
-    if (!is_fresh_) system_.find_residual();
-    is_fresh_ = false;
+    system_.residual_is_fresh = false;
+  }
+  SolverState state() override { return system_.state(); }
+  std::vector<std::array<double, 3>> irradiance() override { return system_.irradiance(); }
+
+ private:
+  void jacobi() {
+    system_.find_residual();
     launch(context_, system_.kernel("radiosity_add"), system_.count(),
            arguments(arg("radiosity", system_.radiosity), arg("residual", system_.residual),
                      arg("count", system_.count())));
   }
-  SolverState state() override {
-    is_fresh_ = true;
-    return system_.state();
-  }
-  std::vector<std::array<double, 3>> irradiance() override { return system_.irradiance(); }
 
- private:
   void gauss_seidel() {
     for (const FactorBlock& block : system_.matrix().blocks) {
       for (std::uint32_t first = 0; first < block.row_count; first += group_) {
@@ -67,7 +67,6 @@ class Relaxation final : public SolveMethod {
   Buffer<float> own_;
   std::uint32_t group_;
   bool jacobi_;
-  bool is_fresh_ = false;  ///< the residual is that of the present B
 };
 
 }  // namespace

@@ -28,8 +28,9 @@ class Shooting final : public SolveMethod {
         options_(options),
         matrix_(matrix),
         rows_on_demand_(std::move(rows)),
-        program_(context, "radiosity shooting", {"radiosity/shoot.cl"},
-                 solver_program_options<Real>(matrix != nullptr ? matrix->precision() : FactorPrecision::single)),
+        program_(
+            context, "radiosity shooting", {"radiosity/shoot.cl"},
+            solver_program_options(matrix != nullptr ? matrix->precision() : FactorPrecision::single, is_double<Real>)),
         materials_(context, mesh),
         normals_(context, "patch normals", std::span(mesh.normals)),
         radiosity_(context, "radiosity", mesh.side_count()),

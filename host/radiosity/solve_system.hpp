@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "host/gpu/program.hpp"
 #include "host/radiosity/solve_method.hpp"
 
 namespace hemiray {
+
+template <typename Real>
+constexpr bool is_double = sizeof(Real) == sizeof(double);
 
 /// Four columns of the device's `real`.
 template <typename Real>
@@ -32,18 +34,10 @@ struct WideSum<float> {
   [[nodiscard]] double value(std::size_t c) const { return static_cast<double>(high[c]) + static_cast<double>(low[c]); }
 };
 
-template <typename Real>
-ProgramOptions solver_program_options(FactorPrecision factors) {
-  ProgramOptions options;
-  options.double_precision = sizeof(Real) == sizeof(double);
-  options.defines = factor_defines(factors);
-  return options;
-}
-
 /// What one addition of a product to a sum of the device may be off by, relative to the sum of absolute terms.
 template <typename Real>
 constexpr double sum_rounding() {
-  return sizeof(Real) == sizeof(double) ? 0x1p-52 : 0x1p-46;
+  return is_double<Real> ? 0x1p-52 : 0x1p-46;
 }
 
 /// A buffer's elements.
@@ -83,7 +77,7 @@ class SolveSystem {
         materials(context, mesh),
         context_(&context),
         matrix_(&matrix),
-        program_(context, "radiosity", {"radiosity/solve.cl"}, solver_program_options<Real>(matrix.precision())) {
+        program_(solver_program(context, matrix.precision(), is_double<Real>)) {
     incident.clear();
     std::vector<Real4<Real>> start(mesh.side_count());
     for (std::size_t s = 0; s < start.size(); s++) {
@@ -115,6 +109,8 @@ class SolveSystem {
 
   /// residual = E + rho H(B) + tau H' - B.
   void find_residual() {
+    if (residual_is_fresh) return;
+    residual_is_fresh = true;
     gather(radiosity);
     launch(*context_, kernel("radiosity_residual"), count(),
            arguments(arg("emission", materials.emission), arg("reflectance", materials.reflectance),
@@ -151,6 +147,7 @@ class SolveSystem {
   Buffer<WideSum<Real>> incident;
   Buffer<Real4<Real>> residual;
   SideMaterials materials;
+  bool residual_is_fresh = false;  ///< it is that of the present radiosity: who changes that says so
 
  private:
   Context* context_;

@@ -16,11 +16,22 @@
 namespace hemiray {
 namespace {
 
-// To know the bound costs about what an iteration does. So the steps that are judged move apart: this is the share of
-// the iterations by which the end may be overshot.
-constexpr std::uint32_t kJudgedShare = 4;
+// To know the bound costs about what an iteration does. So the next step to be judged is where the goal will be met if
+// the bound goes on falling as it did between the last two, or, if it did not fall, a share of the iterations on. By
+// that share, or a few, the end may be overshot.
+constexpr std::uint32_t kJudgedShare = 4, kMostUnjudged = 4;
 
-std::uint32_t next_judged(std::uint32_t iteration) { return iteration + std::max(1U, iteration / kJudgedShare); }
+std::uint32_t next_judged(const std::vector<SolveStep>& history, double goal) {
+  const SolveStep& last = history.back();
+  const std::uint32_t share = last.iteration / kJudgedShare;
+  if (history.size() < 2) return last.iteration + 1;
+  const SolveStep& before = history[history.size() - 2];
+  const double fall = std::log(before.bound / last.bound);  // infinite, or no number, where there was no bound
+  if (!(fall > 0.0) || !std::isfinite(fall) || !(goal > 0.0)) return last.iteration + std::max(1U, share);
+  const double steps = std::log(last.bound / goal) / fall * (last.iteration - before.iteration);
+  const double most = std::max(kMostUnjudged, share);
+  return last.iteration + static_cast<std::uint32_t>(std::clamp(std::ceil(steps), 1.0, most));
+}
 
 // What light that is still to be shot will bring on average (Cohen et al. 1988): it is reflected again and again with
 // the mean reflectance of what light reaches.
@@ -103,9 +114,10 @@ Solution iterate(const PatchMesh& mesh, const FactorMatrix* matrix, SolveMethod&
     history.push_back(step);
     solution.largest = 0.0;
     for (const auto& b : state.radiosity) solution.largest = std::max({solution.largest, b[0], b[1], b[2]});
-    solution.converged = step.bound <= options.tolerance * solution.largest;
+    const double goal = options.tolerance * solution.largest;
+    solution.converged = step.bound <= goal;
     if (solution.converged || ended || iteration == options.iterations) break;
-    until = std::min(next_judged(iteration), options.iterations);
+    until = std::min(next_judged(history, goal), options.iterations);
   }
   if (!ended) {
     // As before the last state was judged: who goes on from here does that again, and is at the end.

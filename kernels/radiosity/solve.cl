@@ -2,6 +2,7 @@
 // other side of the same triangle. Four columns are solved together: red, green, blue, and w: the system (I - rho F -
 // tau F') w = 1 with the largest rho and tau of the three, whose solution bounds the error (host/radiosity/solver.hpp).
 #include "radiosity/factors.h"
+#include "radiosity/row_search.h"
 #include "radiosity/wide_sum.h"
 #include "shared/radiosity_types.h"
 
@@ -59,23 +60,30 @@ kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity
       ((real4)(1) - reflects * (real4)((real)own[s]));
 }
 
-// Of the sides with rows: own = F_ii, 0 for what is flat; sums = sum_j F_ij; least = the smallest of the row, of those
-// given, or 0. Launch: row_count items.
+// Of the sides with rows: own = F_ii, 0 for what is flat; sums = sum_j F_ij, no number where one of them is none; least
+// = the smallest of the row, of those that are numbers, or 0. Launch: row_count items.
 kernel __attribute__((reqd_work_group_size(HR_LOCAL_SIZE, 1, 1))) void radiosity_find_row_facts(
     global const uint* restrict rows, global const uint* restrict starts, global const uint* restrict columns,
     HR_FACTORS(values), const uint row_count, global float* restrict own, global float* restrict sums,
     global float* restrict least) {
   const uint k = (uint)get_global_id(0);
   if (k >= row_count) return;
-  float found = 0, smallest = 0;
+  const uint end = starts[k + 1];
+  float4 smallest = (float4)(0);
   wide4 sum = wide_of((real4)(0));
-  for (uint i = starts[k]; i < starts[k + 1]; i++) {
-    const float value = HR_FACTOR(values, k, i);
-    if (columns[i] == rows[k]) found = value;
-    smallest = value >= smallest ? smallest : value;  // takes NaN
-    sum = wide_add_product(sum, (real4)((real)value), (real4)(1));
+  for (uint i = starts[k]; i < end; i += 4) {
+    float4 four = (float4)(HR_FACTOR(values, k, i), 0, 0, 0);
+    if (i + 4 <= end) {
+      four = HR_FACTORS4(values, k, i);
+    } else {
+      if (i + 1 < end) four.y = HR_FACTOR(values, k, i + 1);
+      if (i + 2 < end) four.z = HR_FACTOR(values, k, i + 2);
+    }
+    smallest = min(smallest, four);
+    sum = wide_add_product(sum, real4_of(four), (real4)(1));
   }
-  own[rows[k]] = found;
-  sums[rows[k]] = (float)wide_value(sum).x;
-  least[rows[k]] = smallest;
+  const uint place = first_entry(columns, starts[k], end, rows[k]);
+  own[rows[k]] = place < end && columns[place] == rows[k] ? HR_FACTOR(values, k, place) : 0;
+  sums[rows[k]] = (float)wide_sum_columns(sum);
+  least[rows[k]] = min(min(smallest.x, smallest.y), min(smallest.z, smallest.w));
 }

@@ -16,6 +16,7 @@ static inline wide4 wide_of(real4 a) { return a; }
 static inline real4 wide_value(wide4 a) { return a; }
 static inline wide4 wide_add_product(wide4 sum, real4 a, real4 b) { return sum + a * b; }
 static inline wide4 wide_add_scaled(wide4 sum, real4 a, wide4 b) { return sum + a * b; }
+static inline real wide_sum_columns(wide4 a) { return (a.x + a.y) + (a.z + a.w); }
 
 #else
 
@@ -60,6 +61,16 @@ static inline wide4 wide_add_product(wide4 sum, real4 a, real4 b) {
 
 static inline wide4 wide_add_scaled(wide4 sum, real4 a, wide4 b) {
   return wide_add_product(wide_add_product(sum, a, b.high), a, b.low);
+}
+
+static inline real wide_sum_columns(wide4 a) {
+  wide4 other;
+  other.high = a.high.zwxy;
+  other.low = a.low.zwxy;
+  a = wide_add(a, other);
+  other.high = a.high.yxwz;
+  other.low = a.low.yxwz;
+  return wide_value(wide_add(a, other)).x;
 }
 
 #endif

@@ -80,6 +80,25 @@ TEST_CASE("the progress bar on a terminal shows rate and time left and is wiped"
   CHECK(wiped < text.find("hemiray: interrupted"));
 }
 
+TEST_CASE("interrupted view factors write nothing and say why") {
+  const TempFolder folder;
+  RunningProgram program({{"view-factors", HR_SOURCE_DIR "/scenes/cornell_box.json", "-o", (folder / "F.csv").string(),
+                           "--patches", "4000"},
+                          {},
+                          true,
+                          0,
+                          "/dev/null"});
+  program.wait_for("view factors [");
+  program.send(SIGINT);
+  const ProgramEnd end = program.wait();
+  INFO(end.err);
+  CHECK_FALSE(end.by_signal);
+  CHECK(end.number == 130);
+  CHECK_THAT(end.err, Catch::Contains("hemiray: interrupted: no factor between areas was computed whole") &&
+                          Catch::Contains("nothing is written"));
+  CHECK(listing(folder.path()).empty());
+}
+
 TEST_CASE("an interrupt in the only pass is not forgotten") {
   // So many lights that the pass takes seconds: there is no progress to see in the first one.
   std::string text = kMatteScene;

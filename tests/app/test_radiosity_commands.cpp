@@ -153,6 +153,12 @@ TEST_CASE("view-factors gives areas their factors in every format") {
   CHECK(std::abs(errors["geometry"][0][1].get<double>() - 2e-5 * 0.199824896) < 1e-7);
   CHECK(errors["sampling"][0][1] == 0.0);
   CHECK(errors["visibility"].size() == 3);
+  CHECK(errors.size() == 3);
+  const auto row_errors = json["row_errors"];  // of other things: not under the same names
+  CHECK(row_errors["geometry"].get<double>() > 0.0);
+  CHECK(row_errors["sampling"] == 0.0);
+  CHECK(row_errors["closure"].get<double>() < 1e-3);
+  CHECK(row_errors.size() == 4);
   CHECK(std::filesystem::file_size(vs3) > 1000);
   const ProgramResult table = run_program({"view-factors", cube, "-o", vf, "--patches", "12"});
   CHECK(table.exit_code == 0);
@@ -161,6 +167,7 @@ TEST_CASE("view-factors gives areas their factors in every format") {
       run_program({"view-factors", cube, "-o", csv, "--patches", "12", "--form-factors", "hemicube", "--json"});
   REQUIRE(cubes.exit_code == 0);
   CHECK(!nlohmann::json::parse(cubes.out).contains("factor_errors"));  // unknown is not zero
+  CHECK(!nlohmann::json::parse(cubes.out).contains("row_errors"));
 }
 
 TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and nothing is written") {
@@ -185,6 +192,11 @@ TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and no
       {{"solve", kCornellBox, "-o", glb, "--edge", "0.2", "--patches", "9"}, "--patches: does not go with --edge"},
       {{"solve", kCornellBox, "-o", glb, "--display", "flat", "--crease", "9"}, "--crease: is for --display smooth"},
       {{"view-factors", kCornellBox, "-o", glb}, ".csv"},
+      {{"view-factors", "--refine", "300", kCornellBox, "-o", "a.csv"},
+       "hemiray: \"--refine\" is not an option of 'view-factors'; see 'hemiray view-factors --help'"},
+      {{"view-factors", kCornellBox, "-o", "a.csv", "--resolutoin=16"},
+       "\"--resolutoin\" is not an option of 'view-factors'; did you mean --resolution?"},
+      {{"solve", kCornellBox, "-o", glb, "two.json"}, "\"two.json\" is one argument too many"},
   };
   for (const auto& [arguments, said] : cases) {
     const ProgramResult result = run_program(arguments);

@@ -170,6 +170,35 @@ TEST_CASE("a cached program runs as a fresh one does, and a damaged entry is com
   check_runs(false);
 }
 
+TEST_CASE("a context builds a text once for each set of options, and its programs share the kernels") {
+  const test::TempFolder cache;
+  const test::ScopedVariable variable("HEMIRAY_CACHE_DIR", cache.path().string());
+  const test::KernelFolder folder;
+  folder.write("probe/probe.cl", kProbe);
+  folder.write("probe/constant.h", "#define PROBE_CONSTANT 1000\n");
+  Context context(choose_device(""));
+  Buffer<std::uint32_t> values(context, "values", 4);
+  const auto strict_of = [&](Program& program) {
+    launch(context, program.kernel("probe_sizes"), 1, arguments(arg("values", values)));
+    return values.read()[3];
+  };
+  Program first(context, "first", {"probe/probe.cl"}, {});
+  CHECK_FALSE(first.from_cache());
+  CHECK(strict_of(first) == 0);
+  CHECK(context.compile_ms() >= first.build_ms() + context.launch_compile_ms());
+  const double launch_compile_ms = context.launch_compile_ms();
+  Program second(context, "second", {"probe/probe.cl"}, {}), strict(context, "strict", {"probe/probe.cl"}, {0, true});
+  CHECK(second.from_cache());
+  CHECK_FALSE(strict.from_cache());
+  CHECK(strict_of(second) == 0);
+  CHECK(context.launch_compile_ms() == launch_compile_ms);  // launched before
+  CHECK(strict_of(strict) == 1);
+  CHECK(strict_of(first) == 0);
+  CHECK(context.compile_ms() == first.build_ms() + second.build_ms() + strict.build_ms() + context.launch_compile_ms());
+  folder.write("probe/constant.h", "#define PROBE_CONSTANT 1001\n");
+  CHECK_FALSE(Program(context, "edited", {"probe/probe.cl"}, {}).from_cache());
+}
+
 TEST_CASE("the flattened text can be dumped into a folder made on the way, and a file in its place is said so") {
   const test::TempFolder dump;
   {

@@ -191,7 +191,7 @@ TEST_CASE("a plate in the way takes what brute force says, and the detector find
   CAPTURE(tested, found, missed, false_alarms, recall, precision, error / energy, missed_energy / energy);
   if (std::getenv("HEMIRAY_PRINT") != nullptr) {
     std::printf("recall %.3f precision %.3f, row error %.2g of which missed %.2g, closure %.2g\n", recall, precision,
-                error / energy, missed_energy / energy, report.errors.visibility);
+                error / energy, missed_energy / energy, report.row_errors.closure);
   }
   CHECK(found > 30);
   CHECK(recall > 0.9);

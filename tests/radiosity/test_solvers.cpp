@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <limits>
 
 #include "host/base/error.hpp"
 #include "host/radiosity/solve_checks.hpp"
@@ -159,6 +160,78 @@ TEST_CASE("in a closed room all that is emitted is absorbed, and a sphere's solu
       CHECK(std::abs(solution.radiosity[2 * i][0] - (e + rho * e_mean / (1.0 - rho_mean))) < 1e-6);
     }
     CHECK(std::abs(absorbed - area * e_mean) < 1e-6 * area * e_mean);
+  }
+}
+
+TEST_CASE("tiny: rows are summed whole, and a factor that cannot be is found wherever it stands") {
+  RadiosityBench bench;
+  constexpr std::uint32_t kLongest = 9;
+  const auto mesh_of = [](float rho) {
+    return test::synthetic_mesh(std::vector<SyntheticPatch>(kLongest, {1.0F, {rho, rho, rho}, {1.0F, 1.0F, 1.0F}}));
+  };
+  const PatchMesh bright = mesh_of(0.75F), dark = mesh_of(0.5F);
+  const auto refused = [&](const PatchMesh& mesh, const FactorRow& row) {
+    std::vector<FactorRow> rows(mesh.side_count());
+    rows[0] = row;
+    try {
+      check_rows(bench.context, mesh, test::matrix_of(bench.context, rows));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  for (std::uint32_t length = 1; length <= kLongest; length++) {
+    FactorRow row;
+    for (std::uint32_t k = 0; k < length; k++) row.emplace_back(2 * k, 1.5F / static_cast<float>(length));
+    CAPTURE(length);
+    CHECK(refused(dark, row).empty());
+    CHECK_THAT(refused(bright, row), Catch::Contains("sum to 1.5"));
+    for (std::uint32_t k = 0; k < length; k++) {
+      FactorRow wrong = row;
+      wrong[k].second = -0.25F;
+      CHECK_THAT(refused(dark, wrong), Catch::Contains("is -0.25;"));
+      wrong[k].second = std::numeric_limits<float>::quiet_NaN();
+      CHECK_THAT(refused(dark, wrong), Catch::Contains("nan;"));
+    }
+  }
+}
+
+TEST_CASE("the bound is asked for where it will do, and no residual is computed twice") {
+  RadiosityBench bench;
+  // Every row sums to 1: Jacobi's residuals fall by rho an iteration, so that where it ends is known beforehand.
+  const PatchMesh mesh = test::synthetic_mesh(
+      {{1.0F, {0.75F, 0.75F, 0.75F}, {1.0F, 1.0F, 1.0F}}, {1.0F, {0.75F, 0.75F, 0.75F}, {1.0F, 1.0F, 1.0F}}});
+  const FactorMatrix matrix = test::matrix_of(bench.context, test::sphere_rows(mesh));
+  const auto gathers = [&bench] {
+    std::uint64_t launches = 0;
+    for (const StageTime& stage : bench.context.profiler().stages()) {
+      if (stage.name == "radiosity_gather") launches = stage.launches;
+    }
+    return launches;
+  };
+  SolveOptions options = options_for(SolverKind::jacobi, 1e-6);
+  std::uint64_t before = gathers();
+  const Solution jacobi = solve_radiosity(bench.context, mesh, matrix, options);
+  const std::uint32_t last = jacobi.history.back().iteration;
+  REQUIRE(jacobi.converged);
+  CHECK(jacobi.history.size() < last / 3);
+  CHECK(gathers() - before == last + 1);
+  options.iterations = last - 1;
+  CHECK_FALSE(solve_radiosity(bench.context, mesh, matrix, options).converged);
+
+  const PatchMesh unlike = test::synthetic_mesh(unlike_patches());
+  const FactorMatrix of_unlike = test::matrix_of(bench.context, test::sphere_rows(unlike));
+  for (const SolverKind kind : {SolverKind::cg, SolverKind::gmres}) {
+    options = options_for(kind, 1e-9);
+    options.restart = 2;
+    before = gathers();
+    const Solution solution = solve_radiosity(bench.context, unlike, of_unlike, options);
+    const std::uint32_t iterations = solution.history.back().iteration;
+    std::uint64_t fresh = 0;  // of the restarts, those whose residual the bound was asked for
+    for (const SolveStep& step : solution.history) fresh += step.iteration % 2 == 0 && step.iteration < iterations;
+    CAPTURE(to_string(kind), iterations, solution.history.size());
+    CHECK(fresh > 0);
+    CHECK(gathers() - before == iterations + (iterations + 1) / 2 + solution.history.size() - fresh);
   }
 }
 
