@@ -49,6 +49,7 @@ void check_effective(const RadiosityArguments& a) {
          "is for a file of --save or --resume, and none is named");
   refuse("--shots", may_shoot, "is for --solver southwell, not " + a.solver);
   refuse("--pick", may_shoot, "is for --solver southwell, not " + a.solver);
+  refuse("--pair-search", !is_by_cubes(a), "is for form factors pair by pair, not --form-factors " + a.form_factors);
   refuse("--pair-rays", !is_by_cubes(a), "is for form factors pair by pair, not --form-factors " + a.form_factors);
   refuse("--patches", a.edge == 0.0, "does not go with --edge, which says how fine the mesh is");
   refuse("--crease", a.display == "smooth", "is for --display smooth, not " + a.display);
@@ -96,7 +97,13 @@ void add_mesh_options(CLI::App& command, RadiosityArguments& a) {
       ->check(CLI::IsMember({"hemicube", "raster", "analytic", "hybrid"}))
       ->capture_default_str();
   add(command.add_option("--pair-rays", a.pair_rays, "Rays between partly hidden pairs, at most; 16 to find which are"))
-      ->check(CLI::Range(4, 4096))
+      ->check(CLI::Range(4, 65536))
+      ->capture_default_str();
+  add(command.add_option("--pair-search", a.pair_search,
+                         "How partly hidden pairs are found: by rays between patches' middles, which miss some at "
+                         "shadows' edges, or by what reaches into each pair's shaft, which misses none and takes far "
+                         "longer; each then gets rays until ten times more accurate"))
+      ->check(CLI::IsMember({"rays", "shafts"}))
       ->capture_default_str();
   add(command.add_option("--resolution", a.resolution,
                          "Cells along an edge of a hemicube, even, 8 to 1024 (default: 64; 16 where hemicubes only "
@@ -206,6 +213,7 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a, const std::ve
   options.factors.visibility.few = std::min(options.factors.visibility.few, a.pair_rays);
   options.factors.visibility.many = a.pair_rays;
   options.factors.visibility.seed = a.seed;
+  if (a.pair_search == "shafts") options.factors.visibility = by_shafts(options.factors.visibility);
   options.factors.precision = a.precision == "half" ? FactorPrecision::half : FactorPrecision::single;
   HemicubeOptions& hemicube = options.factors.hemicube;
   hemicube.view = a.form_factors == "raster" ? CubeView::raster : CubeView::rays;

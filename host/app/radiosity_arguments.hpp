@@ -17,7 +17,7 @@ struct RadiosityArguments {
                 residual_samples = 4096, pair_rays = 1024, gather_rays = 0, refine = 0;
   double keep_every = 30.0, edge = 0.0, chord = 0.0, tolerance = 1e-4, seconds = 0.0, crease = 20.0, factor_mib = 0.0;
   std::string form_factors = "hybrid", solver = "auto", pick = "power", display = "smooth", cells = "turned",
-              precision = "single", save, resume;
+              pair_search = "rays", precision = "single", save, resume;
   std::vector<CLI::Option*> given;  ///< all of them: to tell whether one was used
 };
 

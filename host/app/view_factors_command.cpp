@@ -30,17 +30,24 @@ constexpr const char* kExamples = R"(Examples:
   hemiray view-factors parts.obj -o F.vf --view3d-input parts.vs3      View3D's output file, and its input to compare
 
 Areas are the file's objects ('g' and 'o' of OBJ), by name. Fronts (counter-clockwise) send and take light, backs only
-stop it. Each factor comes with its error, split: geometry (a bound of the quadrature's error; what flat patches of round
-bodies cost is not in it), sampling (a standard error of the rays of partly hidden pairs) and visibility (what pairs
-taken for seen or hidden wrongly may cost); --form-factors hemicube and raster know none. In --json these are
-factor_errors, n x n each; row_errors are means over the patches' rows: geometry, sampling, closure (how far rows of
-closed scenes were from 1) and the share that may be partly_hidden. Interrupt (Ctrl-C) writes nothing: every factor between
-areas is a sum over all rows.)";
+stop it. Each factor comes with its error, split: geometry (a bound of the quadrature's error; what flat patches of
+round bodies cost is not in it), sampling (a standard error of the rays of partly hidden pairs) and visibility (with
+--pair-search rays: what pairs taken for seen or hidden wrongly may cost); --form-factors hemicube and raster know none.
+In --json these are factor_errors, n x n each; row_errors are means over the patches' rows: geometry, sampling, closure
+(how far rows of closed scenes were from 1) and the share that may be partly_hidden. Interrupt (Ctrl-C) writes nothing:
+every factor between areas is a sum over all rows.)";
+
+// Factors are asked for alone where they must be trusted.
+RadiosityArguments with_all_pairs_found() {
+  RadiosityArguments arguments;
+  arguments.pair_search = "shafts";
+  return arguments;
+}
 
 struct FactorArguments {
   std::string scene, output, view3d_input, device;
   bool quiet = false, json = false;
-  RadiosityArguments radiosity;
+  RadiosityArguments radiosity = with_all_pairs_found();
 };
 
 std::string or_unnamed(const std::string& name, const char* kind, std::size_t index) {

@@ -42,7 +42,7 @@ void AreaErrors::add(const PairBatch& batch) {
       ErrorSplit& sum = sums_[std::size_t{group_of_[row]} * groups_ + k % groups_];
       sum.geometry += static_cast<double>(read[k].x);
       sum.sampling += static_cast<double>(read[k].y);
-      sum.visibility += kMissedShare * static_cast<double>(read[k].z);
+      if (visibility_->misses_some) sum.visibility += kMissedShare * static_cast<double>(read[k].z);
     }
   }
 }

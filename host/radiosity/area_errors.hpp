@@ -19,7 +19,7 @@ struct FactorGroups {
 struct ErrorSplit {
   double geometry = 0.0;    ///< bound of the quadrature's error; what tessellation costs is not in it
   double sampling = 0.0;    ///< standard error of the rays of partly hidden pairs, each with points of its own
-  double visibility = 0.0;  ///< kMissedShare of what partly hidden pairs would exchange
+  double visibility = 0.0;  ///< kMissedShare of what partly hidden pairs would exchange; by shafts none
 };
 
 /// Partly hidden pairs that are not found out lie beside those that are, and cost at most this share of what the latter

@@ -68,7 +68,7 @@ class Maker {
     report_.sample_ms = visibility.sample_ms;
     report_.pair_rays = visibility.pair_rays;
     report_.sample_rays = visibility.rays - visibility.pair_rays;
-    report_.partial_pairs = visibility.pairs;
+    report_.partial_pairs = visibility.misses_some ? visibility.pairs : visibility.partly_hidden;
     lap();
     PairFactors factors = watched(raw, sides, visibility);
     report_.near_pairs = factors.near_pairs;

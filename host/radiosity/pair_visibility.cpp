@@ -50,12 +50,14 @@ class Finder {
     found.visible = matrix("pairs visible");
     Buffer<std::uint32_t> hidden = matrix("pairs hidden"), cut = matrix("pairs cut");
     const bool whole = trace(found, hidden, cut, on_progress);
-    tell(found, hidden, cut);
+    tell(found, hidden, cut, options.search == PairSearch::shafts);
     context_.finish();
     found.trace_ms = steady_ms() - start;
     start = steady_ms();
     sample(
         found, options, whole ? on_progress : [](double) { return false; });
+    if (options.search == PairSearch::shafts) settle(found);
+    found.misses_some = options.search != PairSearch::shafts;
     context_.finish();
     found.sample_ms = steady_ms() - start;
     return found;
@@ -101,11 +103,13 @@ class Finder {
                      arg("words", words_), arg("grown", to)));
   }
 
-  void tell(PairVisibility& found, Buffer<std::uint32_t>& hidden, Buffer<std::uint32_t>& cut) {
-    for (const Buffer<std::uint32_t>* bits : {&found.visible, &hidden, &cut}) {
-      launch(context_, bits_.kernel("radiosity_mirror_bits"), std::uint64_t{words_} * words_,
-             arguments(arg("bits", *bits), arg("words", words_)));
-    }
+  void mirror(const Buffer<std::uint32_t>& bits) {
+    launch(context_, bits_.kernel("radiosity_mirror_bits"), std::uint64_t{words_} * words_,
+           arguments(arg("bits", bits), arg("words", words_)));
+  }
+
+  void tell(PairVisibility& found, Buffer<std::uint32_t>& hidden, Buffer<std::uint32_t>& cut, bool every) {
+    for (const Buffer<std::uint32_t>* bits : {&found.visible, &hidden, &cut}) mirror(*bits);
     Buffer<std::uint32_t> half = matrix("bits half grown"), seen = matrix("visible grown");
     found.partial = matrix("pairs partly visible");
     grow(found.visible, half);
@@ -115,9 +119,9 @@ class Finder {
     found.starts = Buffer<std::uint32_t>(context_, "partial starts", sides_.count + std::size_t{1});
     found.starts.clear();
     launch(context_, bits_.kernel("radiosity_tell_pairs"), sides_.rows,
-           arguments(arg("grown_visible", seen), arg("hidden", hidden), arg("cut", cut), arg("count", sides_.rows),
-                     arg("words", words_), arg("visible", found.visible), arg("partial", found.partial),
-                     arg("counts", found.starts)));
+           arguments(arg("grown_visible", seen), arg("hidden", hidden), arg("cut", cut),
+                     arg("every", every ? 1U : 0U), arg("count", sides_.rows), arg("words", words_),
+                     arg("visible", found.visible), arg("partial", found.partial), arg("counts", found.starts)));
     parallel_.exclusive_scan(found.starts, sides_.count);
     found.pairs = found.starts.read(sides_.count, 1).front();
     found.columns = Buffer<std::uint32_t>(context_, "partial columns", found.pairs);
@@ -142,10 +146,22 @@ class Finder {
                        arg("many", options.many), arg("accuracy", static_cast<float>(options.accuracy / sides_.count)),
                        arg("seed_key", options.seed * 0x9E3779B9U), arg("shares", found.shares),
                        arg("errors", found.errors), arg("rays", rays), arg("params", query_params(scene_))));
-      found.rays += sum_of(rays.read(0, count));
+      const std::vector<std::uint32_t> numbers = rays.read(0, count);
+      found.rays += sum_of(numbers);
+      found.partly_hidden +=
+          static_cast<std::uint32_t>(numbers.size() - std::count(numbers.begin(), numbers.end(), 0U));
       const double done = static_cast<double>(first + count) / static_cast<double>(found.pairs);
       if (on_progress && !on_progress(0.5 + 0.5 * done)) return;
     }
+  }
+
+  void settle(PairVisibility& found) {
+    launch(context_, bits_.kernel("radiosity_settle_pairs"), sides_.rows,
+           arguments(arg("starts", found.starts), arg("columns", found.columns), arg("shares", found.shares),
+                     arg("count", sides_.rows), arg("words", words_), arg("visible", found.visible),
+                     arg("partial", found.partial)));
+    mirror(found.visible);
+    mirror(found.partial);
   }
 
   Context& context_;

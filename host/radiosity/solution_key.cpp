@@ -57,7 +57,7 @@ nlohmann::ordered_json options_json(const RadiosityOptions& options, const Devic
   const auto& [edge_m, patches, chord_m] = options.mesh;
   const auto& [method, hemicube, visibility, precision] = options.factors;
   const auto& [view, resolution, divisions, turned, jittered, seed, batch_bytes] = hemicube;
-  const auto& [few, many, accuracy, visibility_seed] = visibility;
+  const auto& [search, few, many, accuracy, visibility_seed] = visibility;
   const auto& [kind, tolerance, iterations, seconds, group, shots, pick, restart, single_precision, on_iteration,
                offer_state, continue_from] = options.solve;
   static_cast<void>(std::tie(seconds, on_iteration, offer_state, continue_from));
@@ -73,6 +73,7 @@ nlohmann::ordered_json options_json(const RadiosityOptions& options, const Devic
   json["seed of rays between pairs"] = visibility_seed;
   json["--factor-precision"] = to_string(precision);
   json["rows a batch"] = batch_bytes;
+  json["--pair-search"] = search == PairSearch::shafts ? "shafts" : "rays";
   json["--pair-rays"] = many;
   json["rays to find partly hidden pairs"] = few;
   json["accuracy of partly hidden pairs"] = accuracy;

@@ -48,10 +48,10 @@ kernel void radiosity_grow_bits(global const uint* restrict bits, global const u
   for (uint k = 0; k < 32; k++) grown[(ulong)(32 * x + k) * words + y] = a[k];
 }
 
-// partial = pairs with both answers around them, or cut; visible = the rest of those seen; counts[i] = partial pairs
-// j > i. `partial` comes in as the grown hidden ones. Launch: one item a side.
+// partial = pairs with both answers around them, or cut, or `every` one; visible = the rest of those seen; counts[i] =
+// partial pairs j > i. `partial` comes in as the grown hidden ones. Launch: one item a side.
 kernel void radiosity_tell_pairs(global const uint* restrict grown_visible, global const uint* restrict hidden,
-                                 global const uint* restrict cut, const uint count, const uint words,
+                                 global const uint* restrict cut, const uint every, const uint count, const uint words,
                                  global uint* restrict visible, global uint* restrict partial,
                                  global uint* restrict counts) {
   const uint i = (uint)get_global_id(0);
@@ -59,7 +59,8 @@ kernel void radiosity_tell_pairs(global const uint* restrict grown_visible, glob
   uint sum = 0;
   for (uint w = 0; w < words; w++) {
     const ulong at = (ulong)i * words + w;
-    const uint some = ((visible[at] | hidden[at]) & grown_visible[at] & partial[at]) | cut[at];
+    const uint around = every != 0 ? 0xffffffffu : grown_visible[at] & partial[at];
+    const uint some = ((visible[at] | hidden[at]) & around) | cut[at];
     partial[at] = some;
     visible[at] &= ~some;
     const uint above = 32 * w > i ? 0xffffffffu : (32 * w + 31 > i ? 0xfffffffeu << (i - 32 * w) : 0u);
@@ -80,5 +81,24 @@ kernel void radiosity_list_partial(global const uint* restrict partial, global c
       if (j <= i) continue;
       columns[at++] = j;
     }
+  }
+}
+
+// Listed pairs j > i of side i that let everything through become visible instead of partial; what is below the
+// diagonal is left to radiosity_mirror_bits. Launch: one item a side.
+kernel void radiosity_settle_pairs(global const uint* restrict starts, global const uint* restrict columns,
+                                   global const float* restrict shares, const uint count, const uint words,
+                                   global uint* restrict visible, global uint* restrict partial) {
+  const uint i = (uint)get_global_id(0);
+  if (i >= count) return;
+  const ulong row = (ulong)i * words;
+  const uint above = i % 32 == 31 ? 0u : 0xfffffffeu << i % 32;
+  visible[row + i / 32] &= above;
+  partial[row + i / 32] &= above;
+  for (uint k = starts[i]; k < starts[i + 1]; k++) {
+    if (shares[k] < 1) continue;
+    const uint bit = 1u << columns[k] % 32;
+    visible[row + columns[k] / 32] |= bit;
+    partial[row + columns[k] / 32] &= ~bit;
   }
 }

@@ -63,4 +63,11 @@ inline FactorOptions hybrid(std::uint32_t few = 16, std::uint32_t many = 256) {
   return options;
 }
 
+/// Hybrid factors whose partly hidden pairs are all found.
+inline FactorOptions by_shafts() {
+  FactorOptions options = hybrid(256, 16384);
+  options.visibility = hemiray::by_shafts(options.visibility);
+  return options;
+}
+
 }  // namespace hemiray::test
