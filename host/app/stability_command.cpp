@@ -61,6 +61,7 @@ std::vector<stability::Case> choose_cases(const std::vector<std::string>& wanted
     return name.find(word) != std::string::npos;
   };
   for (const std::string& word : wanted) {
+    if (word.empty()) throw InputError("--cases", "is empty; name cases, or leave it out for all");
     if (std::none_of(cases.begin(), cases.end(), [&](const auto& one) { return has(one.name, word); })) {
       throw InputError("--cases", fmt::format("{} is in no name of {}", in_quotes(word), fmt::join(names, ", ")) +
                                       spelling_hint(word, names));
@@ -70,6 +71,18 @@ std::vector<stability::Case> choose_cases(const std::vector<std::string>& wanted
     return std::none_of(wanted.begin(), wanted.end(), [&](const auto& word) { return has(one.name, word); });
   });
   return cases;
+}
+
+std::string command_line(const StabilityArguments& given) {
+  std::string text = "hemiray stability";
+  if (given.peers) text += " --peers";
+  if (!given.cases.empty()) text += fmt::format(" --cases \"{}\"", fmt::join(given.cases, ","));
+  text += fmt::format(" --rays {}", given.rays);
+  if (given.seed != StabilityArguments{}.seed) text += fmt::format(" --seed {}", given.seed);
+  if (given.precision != "single") text += " --precision " + given.precision;
+  if (given.strict) text += " --strict";
+  if (!given.compare.empty()) text += " --compare OTHER.json";
+  return text + " --markdown " + given.markdown;
 }
 
 std::string today() {
@@ -91,6 +104,7 @@ stability::Report describe(const Context& context, const StabilityArguments& giv
   report.machine.version = kVersion;
   report.machine.commit = kCommit;
   if (given.peers) report.machine.peer = peer_name();
+  report.command = command_line(given);
   report.date = today();
   report.rays = given.rays;
   report.seed = given.seed;
@@ -100,11 +114,17 @@ stability::Report describe(const Context& context, const StabilityArguments& giv
   return report;
 }
 
-std::vector<stability::OtherRun> read_others(const std::vector<std::string>& files, const stability::Report& report) {
+std::vector<stability::OtherRun> read_others(const std::vector<std::string>& files, const stability::Report& report,
+                                             const std::vector<stability::Case>& cases) {
   std::vector<stability::OtherRun> others;
   for (const std::string& file : files) {
     const std::vector<std::uint8_t> bytes = read_file(file, kMaxRunBytes);
     others.push_back(stability::read_run({bytes.begin(), bytes.end()}, file, report));
+    const std::vector<stability::OtherRung>& rungs = others.back().rungs;
+    const auto is_chosen = [&cases](const stability::OtherRung& rung) {
+      return std::any_of(cases.begin(), cases.end(), [&](const auto& one) { return one.name == rung.case_name; });
+    };
+    if (std::none_of(rungs.begin(), rungs.end(), is_chosen)) throw InputError(file, "has none of the cases of --cases");
   }
   return others;
 }
@@ -124,7 +144,7 @@ int run_stability(const StabilityArguments& given) {
   const unsigned threads = std::max(1U, std::thread::hardware_concurrency());
   const auto peer = given.peers ? make_robust_peer(threads) : nullptr;
   stability::Report report = describe(context, given, threads);
-  const std::vector<stability::OtherRun> others = read_others(given.compare, report);
+  const std::vector<stability::OtherRun> others = read_others(given.compare, report, cases);
   stability::LadderOptions options;
   options.rays = given.rays;
   options.seed = given.seed;
@@ -155,6 +175,9 @@ int run_stability(const StabilityArguments& given) {
   progress.finish();
   report.seconds = (steady_ms() - start) / 1000.0;
   const bool interrupted = done < rungs;
+  if (report.cases.empty() && !interrupted) {
+    throw InputError("--cases", "rays that leave surfaces are not asked in double precision; take --precision single");
+  }
   if (interrupted) report.complete = false;
   for (const stability::OtherRun& other : others) {
     report.comparisons.push_back(stability::compare_runs(report, other));

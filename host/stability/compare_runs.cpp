@@ -75,9 +75,11 @@ OtherRun read_run(const std::string& text, const std::string& place, const Repor
   try {
     if (run.at("rays") != like.rays || run.at("seed") != like.seed || run.at("precision") != like.precision ||
         run.at("strict") != like.strict) {
-      throw InputError(place, fmt::format("was made with other rays; run with --rays {}{}{}", run.at("rays").dump(),
-                                          run.at("precision") == "double" ? " --precision double" : "",
-                                          run.at("strict") == true ? " --strict" : ""));
+      const bool strict = run.at("strict").get<bool>();
+      throw InputError(place,
+                       fmt::format("was made with other rays; run with --rays {} --seed {} --precision {}{}",
+                                   run.at("rays").dump(), run.at("seed").dump(), run.at("precision").get<std::string>(),
+                                   strict ? " --strict" : ", without --strict"));
     }
     other = {run.at("device"), run.at("platform"), run.at("driver"), run.at("commit"), {}};
     for (const json& one : run.at("cases")) {

@@ -30,7 +30,8 @@ struct Comparison {
 
 struct Report {
   bench::Machine machine;
-  std::string date;  ///< YYYY-MM-DD
+  std::string command;  ///< that made it, as it is typed
+  std::string date;     ///< YYYY-MM-DD
   std::uint32_t rays = 0, seed = 0;
   double seconds = 0.0;
   std::vector<CaseResults> cases;

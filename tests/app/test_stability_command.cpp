@@ -41,7 +41,8 @@ TEST_CASE("stability tells the rates of every rung as a table, JSON and Markdown
     std::stringstream text;
     text << std::ifstream(markdown).rdbuf();
     CHECK_THAT(text.str(), Catch::StartsWith("# Stability") && Catch::Contains("## slivers") &&
-                               Catch::Contains("some are left out"));
+                               Catch::Contains("some are left out") &&
+                               Catch::Contains("`hemiray stability --cases \"slivers\" --rays 1024 "));
   }
 }
 
@@ -79,7 +80,11 @@ TEST_CASE("stability names the rungs on which another run differs, in text, JSON
 
   const ProgramResult wrong = run({"--strict", "--compare", first});
   CHECK(wrong.exit_code == 2);
-  CHECK_THAT(wrong.err, Catch::Contains("a.json") && Catch::Contains("was made with other rays"));
+  CHECK_THAT(wrong.err, Catch::Contains("a.json") && Catch::Contains("was made with other rays") &&
+                            Catch::Contains("--seed 5 --precision single, without --strict"));
+  const ProgramResult apart = run_program({"stability", "--rays", "1024", "--cases", "scale", "--compare", first});
+  CHECK(apart.exit_code == 2);
+  CHECK_THAT(apart.err, Catch::Contains("a.json") && Catch::Contains("none of the cases"));
   CHECK(run({"--compare", markdown}).exit_code == 2);
   CHECK(run({"--compare", (folder / "none.json").string()}).exit_code == 2);
 }
@@ -94,5 +99,10 @@ TEST_CASE("stability refuses cases that are none and files that cannot be writte
   CHECK(nowhere.exit_code == 2);
   CHECK_THAT(nowhere.err, Catch::Contains("s.json"));
   CHECK(run_program({"stability", "--rays", "3"}).exit_code == 2);
+  CHECK(run_program({"stability", "--cases", ""}).exit_code == 2);
+  const ProgramResult leaving =
+      run_program({"stability", "--rays", "64", "--cases", "leaving", "--precision", "double"});
+  CHECK(leaving.exit_code == 2);
+  CHECK_THAT(leaving.err, Catch::Contains("--cases") && Catch::Contains("--precision single"));
   CHECK(listing(folder.path()).empty());
 }
