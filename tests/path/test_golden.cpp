@@ -57,4 +57,12 @@ TEST_CASE("tiny: a strict picture under an area light has the golden bits") {
   check_golden("cornell_box", "cornell_box.json");
 }
 
+TEST_CASE("tiny: a strict picture of disks, cylinders, cones and quadrics has the golden bits") {
+  check_golden("analytic_shapes", "analytic_shapes.json");
+}
+
+TEST_CASE("a strict picture of implicit surfaces has the golden bits") {
+  check_golden("implicit_surfaces", "implicit_surfaces.json");
+}
+
 }  // namespace hemiray
