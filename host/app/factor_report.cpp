@@ -22,14 +22,14 @@ std::string factor_table(const RadiosityStatistics& s) {
                   1e-3 * static_cast<double>(s.rays) / std::max(s.factors_ms, 1e-9));
   if (!r.enforcement) return text;
   text += fmt::format(
-      "  pairs       {} exchange light; of all that face each other {} are close or cut, {} partly hidden\n", r.pairs,
-      r.near_pairs, r.partial_pairs);
+      "  pairs       {} exchange light; of all that face each other {} are close or cut, {} may be partly hidden\n",
+      r.pairs, r.near_pairs, r.partial_pairs);
   text += fmt::format(
       "  time        hemicubes {:.2f} s, visibility {:.2f} s, partly hidden {:.2f} s, factors {:.2f} s, rows {:.2f} "
       "s\n",
       1e-3 * r.cubes_ms, 1e-3 * r.visibility_ms, 1e-3 * r.sample_ms, 1e-3 * r.pairs_ms, 1e-3 * r.enforce_ms);
   text += fmt::format(
-      "  error       a row: geometry below {:.1e}, sampling {:.1e} of {:.3f} partly hidden, "
+      "  error       a row: geometry below {:.1e}, sampling {:.1e} of {:.3f} that may be partly hidden, "
       "closure {:.1e}\n",
       r.row_errors.geometry, r.row_errors.sampling, r.row_errors.partial, r.row_errors.closure);
   if (r.violations) {

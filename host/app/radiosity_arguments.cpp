@@ -37,18 +37,25 @@ CLI::Option* add_to_group(RadiosityArguments& a, CLI::Option* option) {
 
 bool is_by_cubes(const RadiosityArguments& a) { return a.form_factors == "hemicube" || a.form_factors == "raster"; }
 
+bool is_given(const RadiosityArguments& a, const char* name) {
+  return std::ranges::any_of(
+      a.given, [name](const CLI::Option* option) { return option->get_name() == name && option->count() > 0; });
+}
+
 // An option without effect is a mistake: who gives it expects one.
 void check_effective(const RadiosityArguments& a) {
   const auto refuse = [&a](const char* name, bool effective, const std::string& why) {
-    const bool given = std::ranges::any_of(
-        a.given, [name](const CLI::Option* option) { return option->get_name() == name && option->count() > 0; });
-    if (given && !effective) throw InputError(name, why + "; leave it out");
+    if (is_given(a, name) && !effective) throw InputError(name, why + "; leave it out");
   };
   const bool may_shoot = a.solver == "southwell" || a.solver == "auto";
   refuse("--save-every", !a.save.empty() || !a.resume.empty(),
          "is for a file of --save or --resume, and none is named");
   refuse("--shots", may_shoot, "is for --solver southwell, not " + a.solver);
   refuse("--pick", may_shoot, "is for --solver southwell, not " + a.solver);
+  if (a.solver == "cg" && is_by_cubes(a)) {
+    throw InputError("--solver", "cg needs symmetric form factors, which --form-factors " + a.form_factors +
+                                     " does not give; take gmres, or --form-factors hybrid");
+  }
   refuse("--pair-search", !is_by_cubes(a), "is for form factors pair by pair, not --form-factors " + a.form_factors);
   refuse("--pair-rays", !is_by_cubes(a), "is for form factors pair by pair, not --form-factors " + a.form_factors);
   refuse("--patches", a.edge == 0.0, "does not go with --edge, which says how fine the mesh is");
@@ -71,9 +78,8 @@ KeepOptions to_keep_options(const RadiosityArguments& a, const std::vector<std::
     throw InputError(option, fmt::format("'{}' is there already; go on from it with --resume {}, or remove it",
                                          keep.file, keep.file));
   }
-  const auto resolved = [&error](const std::string& file) { return std::filesystem::weakly_canonical(file, error); };
   for (const std::string& other : others) {
-    if (!other.empty() && resolved(other) == resolved(keep.file)) {
+    if (!other.empty() && is_same_file(other, keep.file)) {
       throw InputError(option, fmt::format("'{}' is for something else, too; name another file", keep.file));
     }
   }
@@ -85,7 +91,8 @@ KeepOptions to_keep_options(const RadiosityArguments& a, const std::vector<std::
 
 void add_mesh_options(CLI::App& command, RadiosityArguments& a) {
   const auto add = [&a](CLI::Option* option) { return add_to_group(a, option); };
-  add(command.add_option("--patches", a.patches, "Patches, at most"))->capture_default_str();
+  add(command.add_option("--patches", a.patches, "Patches, at most; round bodies take what --chord asks for"))
+      ->capture_default_str();
   add(command.add_option("--edge", a.edge, "Longest edge of a patch [m], in place of --patches"));
   add(command.add_option(
       "--chord", a.chord,
@@ -181,11 +188,11 @@ RadiosityOptions to_radiosity_options(const RadiosityArguments& a, const std::ve
       throw InputError(option, fmt::format("{} is out of range; it must be a positive number", value));
     }
   };
-  positive("--edge", a.edge, true);
+  positive("--edge", a.edge, !is_given(a, "--edge"));
   positive("--chord", a.chord, true);
   positive("--tolerance", a.tolerance, false);
   positive("--time", a.seconds, true);
-  positive("--factor-memory", a.factor_mib, true);
+  positive("--factor-memory", a.factor_mib, !is_given(a, "--factor-memory"));
   check_effective(a);
   if (a.patches == 0) throw InputError("--patches", "0 patches show nothing; give how many there may be");
   RadiosityOptions options;
@@ -281,9 +288,10 @@ std::string radiosity_table(const Radiosity& r) {
   if (s.rounding) text += rounding_line(*s.rounding, r.solution.rounding_bound);
   text += fmt::format(
       "solution      {}{}, {} iterations, {:.2f} s; no radiosity off by more than {:.3g} of {:.4g} "
-      "W/m^2{}\n",
+      "W/m^2{}{}\n",
       to_string(r.solution.kind), r.solution.why.empty() ? "" : " (" + r.solution.why + ")", last.iteration,
-      1e-3 * s.solve_ms, last.bound, r.solution.largest, r.solution.converged ? "" : " (not converged)");
+      1e-3 * s.solve_ms, last.bound, r.solution.largest, s.rounding ? ", for the rounded form factors" : "",
+      r.solution.converged ? "" : " (not converged)");
   if (!r.solution.converged && r.solution.unshot_w > 0.0) {
     text += fmt::format("unshot        {:.4g} W, shown as {:.3g}, {:.3g}, {:.3g} W/m^2 on all that is lit\n",
                         r.solution.unshot_w, r.solution.ambient[0], r.solution.ambient[1], r.solution.ambient[2]);

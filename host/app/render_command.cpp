@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <memory>
 
 #include "host/app/commands.hpp"
@@ -25,8 +24,6 @@
 
 namespace hemiray::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kExamples = R"(Examples:
   hemiray render scenes/cornell_box.json -o cornell.exr
@@ -178,9 +175,7 @@ void check_outputs(const RenderArguments& given) {
   if (given.trace.empty()) return;
   check_writable(given.trace);
   for (const std::string& other : {given.scene, given.output, given.png}) {
-    std::error_code ignored;
-    const auto resolved = [&ignored](const std::string& file) { return fs::weakly_canonical(file, ignored); };
-    if (!other.empty() && resolved(other) == resolved(given.trace)) {
+    if (!other.empty() && is_same_file(other, given.trace)) {
       throw InputError("--trace", fmt::format("'{}' would overwrite the scene or the picture", given.trace));
     }
   }

@@ -80,7 +80,7 @@ void add_solve_command(CLI::App& app, int& exit_code) {
   command->add_option("-o,--output", given->output, "Solution to write, .glb")->required()->type_name("FILE");
   command->add_option("--device", given->device, "Index, part of a name, cpu or gpu (default: HEMIRAY_DEVICE)");
   command->add_option("--exposure", given->exposure, "Factor of radiosities for COLOR_0 (default: what shows the room)")
-      ->check(CLI::Range(0.0, 1e30));
+      ->check(CLI::Range(1e-30, 1e30));
   command->add_option("--seed", given->radiosity.seed, "Seed of the random numbers")->capture_default_str();
   command->add_flag("--quiet", given->quiet, "Print nothing but errors");
   command->add_flag("--json", given->json, "Print statistics as JSON on stdout");

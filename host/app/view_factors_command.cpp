@@ -76,7 +76,11 @@ void check_outputs(const FactorArguments& given) {
     throw InputError("--output", fmt::format("'{}' ends in none of .csv, .npy and .vf (View3D)", given.output));
   }
   check_writable(given.output);
-  if (!given.view3d_input.empty()) check_writable(given.view3d_input);
+  if (given.view3d_input.empty()) return;
+  check_writable(given.view3d_input);
+  if (is_same_file(given.view3d_input, given.output)) {
+    throw InputError("--view3d-input", fmt::format("'{}' is for the factors, too; name another file", given.output));
+  }
 }
 
 // The parts of an error, by name.
@@ -168,6 +172,10 @@ int run_view_factors(const FactorArguments& given) {
     return static_cast<int>(ExitCode::interrupted);
   }
   const ViewFactors factors = view_factors(mesh, groups, read_rows(matrix), report.exchange_errors);
+  if (std::all_of(factors.factors.begin(), factors.factors.end(), [](double factor) { return factor == 0.0; })) {
+    fmt::print(stderr,
+               "hemiray: no area sees another; a triangle's front is where its corners run counter-clockwise\n");
+  }
   const double seconds = 1e-3 * (steady_ms() - start);
   const bool closed = std::all_of(factors.row_sums.begin(), factors.row_sums.end(),
                                   [](double sum) { return std::abs(sum - 1.0) < 1e-3; });

@@ -148,4 +148,12 @@ void write_file_atomically(const fs::path& path, std::string_view text) {
 // Permission bits do not tell everything (read-only mounts, root, access lists): try it.
 void check_writable(const fs::path& path) { const AtomicFile probe(path); }
 
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  const auto resolved = [&ignored](const fs::path& path) {
+    return fs::weakly_canonical(fs::absolute(path, ignored), ignored);
+  };
+  return resolved(a) == resolved(b);
+}
+
 }  // namespace hemiray

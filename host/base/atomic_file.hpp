@@ -37,4 +37,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view t
 /// or read-only folder, a folder or device in place of the file, or a read-only file. Leaves nothing behind.
 void check_writable(const std::filesystem::path& path);
 
+/// Whether both names mean one file, there or not, by links and folders ("a", "./a").
+bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
 }  // namespace hemiray

@@ -170,6 +170,18 @@ TEST_CASE("view-factors gives areas their factors in every format") {
   CHECK(!nlohmann::json::parse(cubes.out).contains("row_errors"));
 }
 
+TEST_CASE("view-factors says where no area sees another, for fronts that look away") {
+  const TempFolder folder;
+  const std::string obj = folder
+                              .write("two.obj",
+                                     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\n"
+                                     "g low\nf 1 3 2\ng high\nf 4 5 6\n")
+                              .string();
+  const ProgramResult away = run_program({"view-factors", obj, "-o", (folder / "f.csv").string(), "--patches", "8"});
+  CHECK(away.exit_code == 0);
+  CHECK_THAT(away.err, Catch::Contains("no area sees another") && Catch::Contains("counter-clockwise"));
+}
+
 TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and nothing is written") {
   const TempFolder folder;
   const std::string out = (folder / "a.exr").string(), glb = (folder / "a.glb").string();
@@ -189,6 +201,13 @@ TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and no
       {{"solve", kCornellBox, "-o", glb, "--solver", "jacobi", "--shots", "4"}, "--shots: is for --solver southwell"},
       {{"solve", kCornellBox, "-o", glb, "--solver", "cg", "--pick", "power"}, "--pick: is for --solver southwell"},
       {{"view-factors", kCornellBox, "-o", "a.csv", "--form-factors", "hemicube", "--pair-rays", "64"}, "--pair-rays"},
+      {{"view-factors", kCornellBox, "-o", "a.csv", "--form-factors", "raster", "--pair-search", "rays"},
+       "--pair-search"},
+      {{"view-factors", kCornellBox, "-o", "a.npy", "--view3d-input", "./a.npy"}, "--view3d-input: 'a.npy' is for the"},
+      {{"solve", kCornellBox, "-o", glb, "--form-factors", "raster", "--solver", "cg"}, "--solver: cg needs symmetric"},
+      {{"solve", kCornellBox, "-o", glb, "--edge", "0"}, "--edge"},
+      {{"solve", kCornellBox, "-o", glb, "--factor-memory", "0"}, "--factor-memory"},
+      {{"solve", kCornellBox, "-o", glb, "--exposure", "0"}, "--exposure"},
       {{"solve", kCornellBox, "-o", glb, "--edge", "0.2", "--patches", "9"}, "--patches: does not go with --edge"},
       {{"solve", kCornellBox, "-o", glb, "--display", "flat", "--crease", "9"}, "--crease: is for --display smooth"},
       {{"view-factors", kCornellBox, "-o", glb}, ".csv"},

@@ -15,6 +15,7 @@
 using hemiray::check_writable;
 using hemiray::DeviceError;
 using hemiray::InputError;
+using hemiray::is_same_file;
 using hemiray::write_file_atomically;
 using hemiray::test::read_whole_file;
 using hemiray::test::TempFolder;
@@ -76,6 +77,13 @@ TEST_CASE("atomic file: permissions follow the umask, those of a replaced file a
   chmod((folder / "new.bin").c_str(), 0604);
   write_file_atomically(folder / "new.bin", "y");
   CHECK(permissions(folder / "new.bin") == 0604);
+}
+
+TEST_CASE("names of one file are told as such, whether it is there or not") {
+  CHECK(is_same_file("a.npy", "./a.npy"));
+  CHECK(is_same_file("a.npy", fs::current_path() / "a.npy"));
+  CHECK(is_same_file("sub/../a.npy", "a.npy"));
+  CHECK_FALSE(is_same_file("a.npy", "b.npy"));
 }
 
 TEST_CASE("atomic file: links are followed, also those that point to nothing yet") {
