@@ -119,9 +119,9 @@ class Finder {
     found.starts = Buffer<std::uint32_t>(context_, "partial starts", sides_.count + std::size_t{1});
     found.starts.clear();
     launch(context_, bits_.kernel("radiosity_tell_pairs"), sides_.rows,
-           arguments(arg("grown_visible", seen), arg("hidden", hidden), arg("cut", cut),
-                     arg("every", every ? 1U : 0U), arg("count", sides_.rows), arg("words", words_),
-                     arg("visible", found.visible), arg("partial", found.partial), arg("counts", found.starts)));
+           arguments(arg("grown_visible", seen), arg("hidden", hidden), arg("cut", cut), arg("every", every ? 1U : 0U),
+                     arg("count", sides_.rows), arg("words", words_), arg("visible", found.visible),
+                     arg("partial", found.partial), arg("counts", found.starts)));
     parallel_.exclusive_scan(found.starts, sides_.count);
     found.pairs = found.starts.read(sides_.count, 1).front();
     found.columns = Buffer<std::uint32_t>(context_, "partial columns", found.pairs);

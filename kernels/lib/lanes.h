@@ -68,8 +68,8 @@ static inline bool any_lane16(int16 m) { return lanes_of8(m.lo | upper_lanes(m))
 #define HR_UNLIKELY(condition) (condition)
 #endif
 
-// A hint that memory at p will be read soon, for CPUs: GPUs hide the wait themselves, and NVIDIA's compiler does not take
-// a pointer to global memory for it. SPIR-V has no word for the builtin.
+// A hint that memory at p will be read soon, for CPUs: GPUs hide the wait themselves, and NVIDIA's compiler does not
+// take a pointer to global memory for it. SPIR-V has no word for the builtin.
 #if defined(HR_ON_CPU) && defined(__has_builtin) && !defined(__SPIR__) && !defined(__SPIRV__)
 #if __has_builtin(__builtin_prefetch)
 #define HR_PREFETCH(p) __builtin_prefetch(p)

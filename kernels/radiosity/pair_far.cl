@@ -19,7 +19,8 @@ static inline floatp exchange(const PairRow* row, const PairColumns* p, uint a, 
   const floatp r2 = dot_lanes(d[0], d[1], d[2], d[0], d[1], d[2]);
   const floatp h = fma((floatp)(scale_b), p->heights[b], p->height),
                g = fma((floatp)(scale_a), p->row_heights[a], p->row_height);
-  return h * g * (1.0f / (r2 * r2));  // a product, which is rounded before it is added to: a quotient is not on NVIDIA's
+  // A product, which is rounded before it is added to: on NVIDIA's a quotient is not.
+  return h * g * (1.0f / (r2 * r2));
 }
 
 static inline floatp rule3(const PairRow* row, const PairColumns* p) {
