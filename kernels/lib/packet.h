@@ -42,28 +42,24 @@ static inline void narrow_interval(global const float* node, const AxisInterval*
   }
 }
 
-// Where the rays leave a slab from lo to hi [m] about their origin. In the plane of its end and along it, they do not:
-// 0 times their rate would say at once.
-static inline float16 slab_exit(float lo, float hi, float16 rate) {
-#pragma OPENCL FP_CONTRACT OFF
-  const float16 t = max(lo * rate, hi * rate);
-  if (lo != 0 && hi != 0) return t;
-  return select(t, (float16)(INFINITY), fabs(rate) >= 0.99f / HR_TINY_DIRECTION);
-}
+// The ends of a box about the rays' origin [m]. A ray in the plane of an end and along it does not leave there, but 0
+// times its rate would say so at once: such an end is moved far out, which only lets more rays in.
+#define HR_FAR_END 1e12f
+static inline float low_end(float x) { return x == 0 ? -HR_FAR_END : x; }
+static inline float high_end(float x) { return x == 0 ? HR_FAR_END : x; }
 
 // Does any ray of the packet enter child `lane` of the node?
 static inline bool any_ray_enters(const Packet* p, global const float* node, uint lane) {
 #pragma OPENCL FP_CONTRACT OFF
-  const float lo_x = node[lane] - p->origin.x, hi_x = node[HR_W + lane] - p->origin.x;
-  const float lo_y = node[2 * HR_W + lane] - p->origin.y, hi_y = node[3 * HR_W + lane] - p->origin.y;
-  const float lo_z = node[4 * HR_W + lane] - p->origin.z, hi_z = node[5 * HR_W + lane] - p->origin.z;
+  const float lo_x = low_end(node[lane] - p->origin.x), hi_x = high_end(node[HR_W + lane] - p->origin.x);
+  const float lo_y = low_end(node[2 * HR_W + lane] - p->origin.y), hi_y = high_end(node[3 * HR_W + lane] - p->origin.y);
+  const float lo_z = low_end(node[4 * HR_W + lane] - p->origin.z), hi_z = high_end(node[5 * HR_W + lane] - p->origin.z);
   for (uint k = 0; k < HR_K; k++) {
     const float16 x0 = lo_x * p->rx[k], x1 = hi_x * p->rx[k];
     const float16 y0 = lo_y * p->ry[k], y1 = hi_y * p->ry[k];
     const float16 z0 = lo_z * p->rz[k], z1 = hi_z * p->rz[k];
     const float16 t_in = max((float16)(p->t_min), max(max(min(x0, x1), min(y0, y1)), min(z0, z1)));
-    const float16 out_x = slab_exit(lo_x, hi_x, p->rx[k]), out_y = slab_exit(lo_y, hi_y, p->ry[k]);
-    const float16 t_out = min(p->t[k], min(min(out_x, out_y), slab_exit(lo_z, hi_z, p->rz[k]))) * HR_SLAB_PAD;
+    const float16 t_out = min(p->t[k], min(min(max(x0, x1), max(y0, y1)), max(z0, z1))) * HR_SLAB_PAD;
     if (any_lane16(t_in <= t_out)) return true;
   }
   return false;
