@@ -34,9 +34,9 @@ struct Row {
   std::uint64_t iterations = 0, judged = 0;
   double bound = 0.0;  ///< of the error, relative to the largest radiosity
   bool converged = false;
+  std::string stages;
 
   [[nodiscard]] double solve_ms() const { return facts.solve_ms - facts.solve_compile_ms; }
-  std::string stages;
 };
 
 RadiosityOptions options_for(const std::string& method, std::uint32_t patches) {

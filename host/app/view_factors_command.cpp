@@ -172,7 +172,8 @@ int run_view_factors(const FactorArguments& given) {
     return static_cast<int>(ExitCode::interrupted);
   }
   const ViewFactors factors = view_factors(mesh, groups, read_rows(matrix), report.exchange_errors);
-  if (std::all_of(factors.factors.begin(), factors.factors.end(), [](double factor) { return factor == 0.0; })) {
+  const auto is_zero = [](double factor) { return factor == 0.0; };
+  if (!given.quiet && std::all_of(factors.factors.begin(), factors.factors.end(), is_zero)) {
     fmt::print(stderr,
                "hemiray: no area sees another; a triangle's front is where its corners run counter-clockwise\n");
   }

@@ -6,13 +6,15 @@
 #include <fmt/format.h>
 
 #include "host/base/clock.hpp"
+#include "host/base/error.hpp"
 #include "host/bvh/ray_queries.hpp"
 
 namespace hemiray {
 namespace {
 
-constexpr std::uint32_t kBlockColumns = 64;         // HR_BLOCK_COLUMNS of radiosity/visibility.cl
-constexpr std::uint32_t kItemsALaunch = 1U << 18U;  // so that progress shows and Ctrl-C is heard
+constexpr std::uint32_t kBlockColumns = 64;          // HR_BLOCK_COLUMNS of radiosity/visibility.cl
+constexpr std::uint32_t kMostSidesByShafts = 92681;  // whose pairs have numbers of 32 bits
+constexpr std::uint32_t kItemsALaunch = 1U << 18U;   // so that progress shows and Ctrl-C is heard
 
 std::uint64_t sum_of(const std::vector<std::uint32_t>& values) {
   return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
@@ -45,6 +47,10 @@ class Finder {
   }
 
   PairVisibility find(const VisibilityOptions& options, const std::function<bool(double)>& on_progress) {
+    if (options.search == PairSearch::shafts && sides_.count > kMostSidesByShafts) {
+      throw InputError("--pair-search", fmt::format("shafts of {} sides cannot be numbered, {} at most; take rays",
+                                                    sides_.count, kMostSidesByShafts));
+    }
     double start = steady_ms();
     PairVisibility found;
     found.visible = matrix("pairs visible");

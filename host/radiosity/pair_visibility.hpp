@@ -44,7 +44,7 @@ struct PairVisibility {
 /// if its sides are close for their size, or face each other only in part; then rays tested against what lies in its
 /// shaft tell how much is seen. By shafts: every pair that face each other is looked at so. Rays meet the mesh's
 /// blockers. `on_progress` gets the fraction done; returning false throws nothing and leaves the rest unseen. Throws
-/// DeviceError, also where bit matrices exceed the largest allocation.
+/// DeviceError, also where bit matrices exceed the largest allocation, and InputError for too many sides for shafts.
 PairVisibility find_visibility(Context& context, Parallel& parallel, const PatchMesh& mesh, const PairSides& sides,
                                const VisibilityOptions& options, const std::function<bool(double)>& on_progress = {});
 

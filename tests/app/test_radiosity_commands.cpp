@@ -180,6 +180,9 @@ TEST_CASE("view-factors says where no area sees another, for fronts that look aw
   const ProgramResult away = run_program({"view-factors", obj, "-o", (folder / "f.csv").string(), "--patches", "8"});
   CHECK(away.exit_code == 0);
   CHECK_THAT(away.err, Catch::Contains("no area sees another") && Catch::Contains("counter-clockwise"));
+  const ProgramResult quiet =
+      run_program({"view-factors", obj, "-o", (folder / "f.csv").string(), "--patches", "8", "--quiet"});
+  CHECK(quiet.err.empty());
 }
 
 TEST_CASE("radiosity options that mean nothing, or cannot be, are refused and nothing is written") {
